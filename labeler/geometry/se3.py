@@ -1,0 +1,57 @@
+"""Rigid motions in 3D as 4x4 matrices: ``a_SE3_b`` maps b's coordinates to a's."""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.spatial.transform import Rotation, Slerp
+
+
+def se3(rotation: ArrayLike, translation_m: ArrayLike) -> NDArray[np.float64]:
+    """(4, 4) matrix from a (3, 3) rotation and a (3,) translation in metres."""
+    matrix = np.eye(4)
+    matrix[:3, :3] = rotation
+    matrix[:3, 3] = translation_m
+    return matrix
+
+
+def se3_from_quaternion(qw: float, qx: float, qy: float, qz: float, translation_m: ArrayLike) -> NDArray[np.float64]:
+    """(4, 4) matrix from a quaternion, scalar first, of any positive length. ValueError when it has length zero or is
+    not finite.
+    """
+    rotation = Rotation.from_quat([qx, qy, qz, qw])
+    matrix = se3(rotation.as_matrix(), translation_m)
+    if not np.isfinite(matrix).all():
+        raise ValueError("the quaternion or the translation is not finite")
+    return matrix
+
+
+def invert_se3(a_SE3_b: NDArray[np.float64]) -> NDArray[np.float64]:
+    """``b_SE3_a``, (4, 4)."""
+    rotation = a_SE3_b[:3, :3].T
+    return se3(rotation, -rotation @ a_SE3_b[:3, 3])
+
+
+def transform_points(a_SE3_b: NDArray[np.float64], points_b: NDArray[np.floating]) -> NDArray[np.float64]:
+    """(N, 3) points in b's frame to a's."""
+    return points_b @ a_SE3_b[:3, :3].T + a_SE3_b[:3, 3]
+
+
+def yaw_of(a_SE3_b: NDArray[np.float64]) -> float:
+    """The angle in radians about z by which b's x axis is turned in a's x-y plane."""
+    return float(np.arctan2(a_SE3_b[1, 0], a_SE3_b[0, 0]))
+
+
+def interpolate_se3(times_ns: NDArray[np.int64], poses: NDArray[np.float64], time_ns: int) -> NDArray[np.float64]:
+    """The pose at ``time_ns`` among (N, 4, 4) ``poses`` at increasing ``times_ns`` (N,): linear in place, slerp in
+    rotation.
+
+    Outside of the times, the nearest pose. N must be at least 1."""
+    right = int(np.searchsorted(times_ns, time_ns))
+    if right == 0:
+        return poses[0]
+    if right == len(times_ns):
+        return poses[-1]
+    before, after = int(times_ns[right - 1]), int(times_ns[right])
+    share = (time_ns - before) / (after - before)
+    rotation = Slerp([0.0, 1.0], Rotation.from_matrix(poses[right - 1 : right + 1, :3, :3]))(share)
+    translation_m = (1 - share) * poses[right - 1, :3, 3] + share * poses[right, :3, 3]
+    return se3(rotation.as_matrix(), translation_m)

@@ -1,0 +1,51 @@
+"""What the propagation step says: the label of every observation, and where it comes from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class LabelSource(StrEnum):
+    """Who said it: the detector on this very image, another observation of the same identity, or a person."""
+
+    AUTO = "auto"
+    PROPAGATED = "propagated"
+    HUMAN = "human"
+
+
+@dataclass(frozen=True)
+class Donor:
+    """The best observation of an identity: its class and score become the label of all of them."""
+
+    track_id: int
+    camera: str
+    frame_index: int
+    class_id: int
+    score: float
+
+
+@dataclass(frozen=True, eq=False)
+class Labels:
+    """Labels of observations, a row each, in the order of the observations that they belong to.
+
+    ``track_id``, ``frame_index`` (N,) int32 name the observation; ``identity_id`` (N,) int32 its identity (the smallest
+    track id in it); ``class_id`` (N,) int16 and ``score`` (N,) float32 are the label; ``donor_track_id``,
+    ``donor_frame_index`` (N,) int32 name the observation it was taken from; ``propagated`` (N,) bool is False where an
+    observation is its own donor.
+    """
+
+    track_id: NDArray[np.int32]
+    frame_index: NDArray[np.int32]
+    identity_id: NDArray[np.int32]
+    class_id: NDArray[np.int16]
+    score: NDArray[np.float32]
+    donor_track_id: NDArray[np.int32]
+    donor_frame_index: NDArray[np.int32]
+    propagated: NDArray[np.bool_]
+
+    def __len__(self) -> int:
+        return len(self.track_id)
