@@ -1,0 +1,50 @@
+"""Where the recorded drives and the weights for tests lie: beside the repository, in ../shared, and not on every machine."""
+
+from pathlib import Path
+
+import pytest
+
+SHARED = Path(__file__).resolve().parents[2] / "shared"
+
+
+def _shared(relative: str) -> Path:
+    path = SHARED / relative
+    if not path.exists():
+        pytest.skip(f"needs ../shared/{relative}, which is not on this machine")
+    return path
+
+
+@pytest.fixture(scope="session")
+def tri_scene_01() -> Path:
+    """A real drive in the Argoverse 2 layout: three cameras, LiDAR, poses, truth; 3 frames."""
+    return _shared("drives/tri_scene_01")
+
+
+@pytest.fixture(scope="session")
+def kitti_0052() -> Path:
+    """A real drive in the KITTI tracking layout: one camera, LiDAR, no poses; 40 frames."""
+    return _shared("drives/kitti_0052")
+
+
+@pytest.fixture(scope="session")
+def nuscenes_one_sample() -> Path:
+    """One real nuScenes sample: six cameras, LiDAR, poses."""
+    return _shared("drives/nuscenes_one_sample")
+
+
+@pytest.fixture(scope="session")
+def yolox_nano_dynamic() -> Path:
+    """YOLOX-nano, COCO, free batch, height and width."""
+    return _shared("models/yolox_nano_dynamic.onnx")
+
+
+@pytest.fixture(scope="session")
+def yolox_nano_416() -> Path:
+    """YOLOX-nano, COCO, fixed 1x3x416x416."""
+    return _shared("models/yolox_nano_416.onnx")
+
+
+@pytest.fixture(scope="session")
+def kitti_tracking_text() -> Path:
+    """KITTI tracking 0000-0010 as text: truth with ids and YOLOX detections."""
+    return _shared("mot/kitti_tracking")
