@@ -1,0 +1,78 @@
+# Bare `make` lists the targets. Each sets up what it needs, once: a virtual environment in .venv, the Python packages,
+# node (the machine's, else one from PyPI) and the page. It needs Python 3.11 or newer, make and the package registries.
+
+PYTHON ?= python3
+DRIVE ?=
+MODEL ?=
+PYTEST_ARGS ?=
+
+VENV := .venv
+BIN := $(VENV)/bin
+READY := .make/python
+PAGE := $(BIN)/python frontend/hatch_build.py
+
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+.PHONY: help demo test lint bench openapi frontend
+
+help: ## list the targets
+	@echo "Usage: make TARGET"
+	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  %-10s%s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+
+demo: $(READY) ## label a drive and open it for review: make demo DRIVE=folder MODEL=yolox.onnx
+	@if [ -z "$(DRIVE)" ] || [ -z "$(MODEL)" ]; then \
+	  echo "make demo needs a recorded drive and a YOLOX model in ONNX form:" >&2; \
+	  echo "  make demo DRIVE=path/to/drive MODEL=path/to/yolox.onnx" >&2; \
+	  echo "README.md says which drives it reads and where models come from." >&2; \
+	  exit 2; \
+	fi
+	@$(PAGE) build
+	@$(BIN)/hindsight demo "$(DRIVE)" --model "$(MODEL)"
+
+test: $(READY) ## run all tests: Python, the page, and the browser where Chromium is found
+	@$(PAGE) build
+	$(BIN)/pytest -q -n auto $(PYTEST_ARGS)
+	$(PAGE) npm test
+
+lint: $(READY) ## check style, types, layers and lock files
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+	$(BIN)/lint-imports
+	PYRIGHT_PYTHON_IGNORE_WARNINGS=1 $(BIN)/pyright --pythonpath $(BIN)/python
+	$(PAGE) npm run lint
+	@if grep -nE '"resolved": *"[a-z+]+:' frontend/package-lock.json; then \
+	  echo "frontend/package-lock.json holds download addresses; make it again with frontend/.npmrc in place" >&2; exit 1; \
+	fi
+
+bench: $(READY) ## measure the pipeline against bare inference: make bench DRIVE=folder MODEL=yolox.onnx
+	@if [ -z "$(DRIVE)" ] || [ -z "$(MODEL)" ]; then \
+	  echo "make bench needs a recorded drive and a YOLOX model in ONNX form:" >&2; \
+	  echo "  make bench DRIVE=path/to/drive MODEL=path/to/yolox.onnx" >&2; \
+	  exit 2; \
+	fi
+	@$(BIN)/hindsight benchmark pipeline "$(DRIVE)" --model "$(MODEL)"
+
+openapi: $(READY) ## write frontend/openapi.json and the page's typed client again
+	$(BIN)/hindsight openapi > .make/openapi.json
+	mv .make/openapi.json frontend/openapi.json
+	$(PAGE) npm run openapi
+
+frontend: $(READY) ## build the page into app/static, if its sources changed
+	@$(PAGE) build
+
+$(VENV)/pyvenv.cfg:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { \
+	  echo "Hindsight needs Python 3.11 or newer, and '$(PYTHON)' is not; name another: make PYTHON=python3.12 $(MAKECMDGOALS)" >&2; \
+	  exit 1; \
+	}
+	@echo "Creating a virtual environment in $(VENV)"
+	@$(PYTHON) -m venv $(VENV) || { \
+	  rm -rf $(VENV); \
+	  echo "'$(PYTHON) -m venv' failed; on Debian and Ubuntu: apt-get install python3-venv" >&2; \
+	  exit 1; \
+	}
+
+$(READY): $(VENV)/pyvenv.cfg pyproject.toml
+	@echo "Installing the Python packages (the first time takes a few minutes)"
+	@HINDSIGHT_SKIP_FRONTEND=1 $(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[dev]'
+	@mkdir -p .make && touch $(READY)
