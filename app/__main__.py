@@ -1,0 +1,5 @@
+"""``python -m app`` is ``hindsight``."""
+
+from app.cli import main
+
+main()

@@ -1,0 +1,1 @@
+"""The store: engine, sessions and the base of all tables."""

@@ -1,0 +1,1 @@
+"""Recorded drives: registering, uploading, listing, labelling."""

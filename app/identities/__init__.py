@@ -1,0 +1,1 @@
+"""Objects: connected components of tracks under the accepted merges."""

@@ -1,0 +1,1 @@
+"""Long work: a queue in the store, a worker process, progress for the browser."""

@@ -1,0 +1,76 @@
+"""The web app: its parts, put together by :func:`create_app`."""
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+
+from fastapi import APIRouter, FastAPI
+from fastapi.routing import APIRoute
+from pydantic import BaseModel
+
+from app import __version__
+from app.db.engine import migrate, open_engine
+from app.db.session import Store
+from app.drives.endpoints import router as drives_router
+from app.errors import ErrorBody, install_error_handlers
+from app.exports.endpoints import router as exports_router
+from app.identities.endpoints import router as identities_router
+from app.jobs.endpoints import router as jobs_router
+from app.media.endpoints import router as media_router
+from app.merges.endpoints import router as merges_router
+from app.settings import Settings
+from app.tracks.endpoints import router as tracks_router
+
+
+class Health(BaseModel):
+    version: str
+    status: str
+
+
+health_router = APIRouter(prefix="/api", tags=["health"])
+
+
+@health_router.get("/health")
+def get_health() -> Health:
+    """Whether the server is up, and which version it is."""
+    return Health(version=__version__, status="ok")
+
+
+def create_app(settings: Settings) -> FastAPI:
+    """The app on one workspace. The store is opened and migrated when the app starts."""
+
+    @asynccontextmanager
+    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+        engine = open_engine(settings.store_url)
+        migrate(engine)
+        app.state.store = Store(engine)
+        yield
+        engine.dispose()
+
+    app = FastAPI(
+        title="Hindsight",
+        version=__version__,
+        lifespan=lifespan,
+        generate_unique_id_function=_operation_id,
+        responses={"4XX": {"model": ErrorBody, "description": "What was wrong, where, and what to do."}},
+        docs_url=None,
+        redoc_url=None,
+        openapi_url="/api/openapi.json",
+    )
+    app.state.settings = settings
+    install_error_handlers(app)
+    for router in (
+        health_router,
+        drives_router,
+        tracks_router,
+        identities_router,
+        merges_router,
+        jobs_router,
+        exports_router,
+        media_router,
+    ):
+        app.include_router(router)
+    return app
+
+
+def _operation_id(route: APIRoute) -> str:
+    return route.name

@@ -1,0 +1,1 @@
+"""Images of a drive for the browser."""

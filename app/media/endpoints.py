@@ -1,0 +1,32 @@
+"""Images for the browser."""
+
+from typing import Annotated
+
+from fastapi import APIRouter, Query, Request
+from fastapi.responses import Response
+
+from app.db.session import ReadSession
+from app.media import service
+
+router = APIRouter(prefix="/api/drives/{drive_id}", tags=["media"])
+
+
+@router.get(
+    "/frames/{frame_index}/images/{camera}",
+    response_class=Response,
+    responses={200: {"content": {"image/jpeg": {}}, "description": "The image as JPEG."}},
+)
+def get_image(
+    drive_id: int,
+    frame_index: int,
+    camera: str,
+    request: Request,
+    session: ReadSession,
+    max_width: Annotated[int | None, Query(ge=16, le=16384, description="Shrink wider images to this width.")] = None,
+) -> Response:
+    """The image of one camera in one frame."""
+    image = service.find_image(session, drive_id, frame_index, camera, max_width=max_width)
+    headers = {"ETag": image.etag, "Cache-Control": "private, max-age=31536000, immutable"}
+    if request.headers.get("if-none-match") == image.etag:
+        return Response(status_code=304, headers=headers)
+    return Response(image.read_jpeg(), media_type="image/jpeg", headers=headers)

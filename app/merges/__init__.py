@@ -1,0 +1,1 @@
+"""Claims that two tracks are one object, and what a person says to them."""

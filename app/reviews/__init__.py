@@ -1,0 +1,1 @@
+"""Decisions of people, append-only; they survive labelling the drive again."""

@@ -1,0 +1,104 @@
+"""What a person can set: environment variables that begin with HINDSIGHT_, or options of ``hindsight serve``.
+
+Every field says in its description what it does; ``docs/settings.md`` lists them all, and a test keeps it so.
+"""
+
+import ipaddress
+import os
+from pathlib import Path
+from typing import Annotated
+
+from pydantic import Field
+from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
+
+GIB = 1024**3
+
+
+def default_workspace() -> Path:
+    """``hindsight`` in the user's data folder (XDG_DATA_HOME, else ~/.local/share)."""
+    data_home = os.environ.get("XDG_DATA_HOME")
+    return (Path(data_home) if data_home else Path.home() / ".local" / "share") / "hindsight"
+
+
+class Settings(BaseSettings):
+    """Settings of the web server and of the worker. Both must be given the same ones."""
+
+    model_config = SettingsConfigDict(env_prefix="HINDSIGHT_", frozen=True, protected_namespaces=())
+
+    workspace: Path = Field(
+        default_factory=default_workspace,
+        description="Folder that holds the store, uploaded drives, artifacts of labelling and exports.",
+    )
+    database_url: str | None = Field(
+        default=None, description="SQLAlchemy URL of the store; without it, SQLite in the workspace is used."
+    )
+    host: str = Field(default="127.0.0.1", description="Address that the web server listens on.")
+    port: int = Field(default=8000, ge=0, le=65535, description="Port of the web server; 0 takes any free one.")
+    model: Path | None = Field(
+        default=None, description="YOLOX model file (.onnx) that drives are labelled with when none is named."
+    )
+    allowed_hosts: Annotated[tuple[str, ...], NoDecode] = Field(
+        default=(),
+        description="Host names, separated by commas, that the server may be called by beside localhost and its address.",
+    )
+    allow_local_paths: bool = Field(
+        default=False,
+        description="Let the page register folders and models of the server's disk even when others can reach the server.",
+    )
+    max_upload_bytes: int = Field(default=64 * GIB, gt=0, description="Largest archive that may be uploaded, in bytes.")
+    max_unpacked_bytes: int = Field(
+        default=128 * GIB, gt=0, description="How much an uploaded archive may unpack to, in bytes."
+    )
+    max_unpack_ratio: float = Field(
+        default=100.0,
+        gt=1,
+        description="How many times its own size an archive may unpack to (small ones, to 64 MiB, are free).",
+    )
+    max_files: int = Field(default=1_000_000, gt=0, description="How many files an uploaded archive may hold.")
+    min_free_bytes: int = Field(
+        default=1 * GIB, ge=0, description="Disk space that an upload must leave free, in bytes."
+    )
+    stale_job_seconds: float = Field(
+        default=30.0, gt=0, description="A running job without a sign of life for this long is given to another worker."
+    )
+    max_job_attempts: int = Field(
+        default=3, ge=1, description="A job whose worker died this often is given up as failed."
+    )
+    job_poll_seconds: float = Field(
+        default=0.3, gt=0, description="How often the worker looks for jobs and the page's progress is renewed."
+    )
+
+    @property
+    def store_url(self) -> str:
+        """The URL of the store that is in use."""
+        return self.database_url or f"sqlite:///{self.workspace / 'hindsight.db'}"
+
+    @property
+    def drives_folder(self) -> Path:
+        """Where uploaded drives lie, a folder each."""
+        return self.workspace / "drives"
+
+    @property
+    def uploads_folder(self) -> Path:
+        """Where uploads lie until they are whole."""
+        return self.workspace / "uploads"
+
+    @property
+    def exports_folder(self) -> Path:
+        """Where exported datasets lie."""
+        return self.workspace / "exports"
+
+    @property
+    def is_loopback(self) -> bool:
+        """Whether only this machine can reach the server."""
+        if self.host == "localhost":
+            return True
+        try:
+            return ipaddress.ip_address(self.host).is_loopback
+        except ValueError:
+            return False
+
+    @property
+    def may_use_local_paths(self) -> bool:
+        """Whether a path on the server's disk may come from the page."""
+        return self.is_loopback or self.allow_local_paths

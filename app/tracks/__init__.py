@@ -1,0 +1,1 @@
+"""What the labeler found: tracks, observations, labels and 3D boxes."""

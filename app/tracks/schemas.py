@@ -1,0 +1,65 @@
+"""What the page learns about tracks and observations. Track and identity ids are the labeler's numbers in the drive."""
+
+from enum import StrEnum
+
+from pydantic import BaseModel, Field
+
+
+class LabelSource(StrEnum):
+    AUTO = "auto"
+    PROPAGATED = "propagated"
+    HUMAN = "human"
+
+
+class LabelDonor(BaseModel):
+    """The observation that a propagated label was taken from."""
+
+    observation_id: int
+    camera: str
+    frame_index: int
+    score: float
+
+
+class Label(BaseModel):
+    class_name: str
+    score: float
+    source: LabelSource
+    donor: LabelDonor | None
+
+
+class Observation(BaseModel):
+    """A box of a track in one image; ``score`` is null where the tracker filled the box in."""
+
+    id: int
+    track_id: int
+    identity_id: int
+    camera: str
+    box: tuple[float, float, float, float] = Field(description="x1, y1, x2, y2 in pixels of the original image.")
+    class_name: str
+    score: float | None
+    filled: bool
+    label: Label
+
+
+class FrameObservations(BaseModel):
+    frame_index: int
+    observations: list[Observation]
+
+
+class ObservationPage(BaseModel):
+    """Observations of a run of frames; frames without any are listed too."""
+
+    revision: int
+    frames: list[FrameObservations]
+
+
+class Track(BaseModel):
+    id: int
+    camera: str
+    first_frame: int
+    last_frame: int
+    observation_count: int
+    identity_id: int
+    best_score: float
+    best_frame: int
+    class_name: str
