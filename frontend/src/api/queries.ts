@@ -1,0 +1,64 @@
+/** What the page reads from the server, with one key for each. */
+
+import { QueryClient, queryOptions } from "@tanstack/react-query";
+import { ApiError, api, unwrap } from "./client";
+import type { Drive } from "./types";
+
+export const queryClient = new QueryClient({
+  defaultOptions: {
+    queries: {
+      // The server is on this machine or in this house: the browser's idea of being online says nothing about it.
+      networkMode: "always",
+      staleTime: 30_000,
+      retry: (failures, error) => !(error instanceof ApiError && error.status < 500) && failures < 2,
+      retryDelay: 500,
+    },
+    mutations: { networkMode: "always", retry: false },
+  },
+});
+
+export function isBusy(drive: Pick<Drive, "state">): boolean {
+  return drive.state === "queued" || drive.state === "labelling";
+}
+
+export const drivesQuery = queryOptions({
+  queryKey: ["drives"],
+  queryFn: ({ signal }) => unwrap(api.GET("/api/drives", { signal })),
+  // Progress comes by events; this finds drives that wait, and what others do.
+  refetchInterval: (query) => (query.state.data?.some(isBusy) ? 3_000 : 15_000),
+});
+
+export const modelsQuery = queryOptions({
+  queryKey: ["models"],
+  queryFn: ({ signal }) => unwrap(api.GET("/api/models", { signal })),
+  staleTime: 300_000,
+});
+
+const at = (id: number) => ({ params: { path: { drive_id: id } } });
+
+export const driveQuery = (id: number) =>
+  queryOptions({
+    queryKey: ["drive", id],
+    queryFn: ({ signal }) => unwrap(api.GET("/api/drives/{drive_id}", { ...at(id), signal })),
+    refetchInterval: (query) => (query.state.data && isBusy(query.state.data) ? 3_000 : 15_000),
+  });
+
+export const tracksQuery = (id: number) =>
+  queryOptions({
+    queryKey: ["drive", id, "tracks"],
+    queryFn: ({ signal }) => unwrap(api.GET("/api/drives/{drive_id}/tracks", { ...at(id), signal })),
+  });
+
+export const identitiesQuery = (id: number) =>
+  queryOptions({
+    queryKey: ["drive", id, "identities"],
+    queryFn: ({ signal }) => unwrap(api.GET("/api/drives/{drive_id}/identities", { ...at(id), signal })),
+  });
+
+export const mergesKey = (id: number) => ["drive", id, "merges"] as const;
+
+export const mergesQuery = (id: number) =>
+  queryOptions({
+    queryKey: mergesKey(id),
+    queryFn: ({ signal }) => unwrap(api.GET("/api/drives/{drive_id}/merges", { ...at(id), signal })),
+  });

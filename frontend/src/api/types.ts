@@ -1,0 +1,16 @@
+/** The names of the contract, as the page uses them. */
+
+import type { components } from "./schema.gen";
+
+type Schemas = components["schemas"];
+
+export type Drive = Schemas["Drive"];
+export type DriveDetail = Schemas["DriveDetail"];
+export type Observation = Schemas["Observation"];
+export type Track = Schemas["Track"];
+export type Identity = Schemas["Identity"];
+export type Merge = Schemas["Merge"];
+export type MergeState = Merge["state"];
+export type MergeChange = Schemas["MergeChange"];
+export type Job = Schemas["Job"];
+export type Export = Schemas["Export"];

@@ -1,0 +1,50 @@
+import { Button, Center, MantineProvider, Stack, Text } from "@mantine/core";
+import { Notifications } from "@mantine/notifications";
+import { QueryClientProvider } from "@tanstack/react-query";
+import { lazy, Suspense } from "react";
+import { Link, Route, Switch } from "wouter";
+import { queryClient } from "../api/queries";
+import { DrivesPage } from "../drives/DrivesPage";
+import { text } from "../strings";
+import { ConnectionBanner } from "./ConnectionBanner";
+import { CrashBoundary } from "./CrashBoundary";
+import { theme } from "./theme";
+
+const ReviewPage = lazy(() => import("../review/ReviewPage").then((module) => ({ default: module.ReviewPage })));
+
+export function App() {
+  return (
+    <MantineProvider theme={theme} defaultColorScheme="auto">
+      <Notifications position="bottom-left" autoClose={6000} limit={3} />
+      <QueryClientProvider client={queryClient}>
+        <ConnectionBanner />
+        <CrashBoundary>
+          <Switch>
+            <Route path="/" component={DrivesPage} />
+            <Route path="/drives/:id">
+              {({ id }) => (
+                <Suspense fallback={null}>
+                  {/^\d+$/.test(id) ? <ReviewPage key={id} driveId={Number(id)} /> : <NotFound />}
+                </Suspense>
+              )}
+            </Route>
+            <Route component={NotFound} />
+          </Switch>
+        </CrashBoundary>
+      </QueryClientProvider>
+    </MantineProvider>
+  );
+}
+
+function NotFound() {
+  return (
+    <Center h="100%">
+      <Stack align="center">
+        <Text>{text.app.notFound}</Text>
+        <Button component={Link} href="/">
+          {text.app.backToDrives}
+        </Button>
+      </Stack>
+    </Center>
+  );
+}
