@@ -81,8 +81,9 @@ def _corners(
         if not decoded:
             stride = grid.stride_px[rows]
             center = (center + grid.cell[rows]) * stride
-            size = np.exp(size) * stride
-        return np.concatenate([center - size / 2, center + size / 2], axis=1)
+            size = np.exp(size, dtype=np.float32) * stride
+        half = size * np.float32(0.5)
+        return np.concatenate([center - half, center + half], axis=1)
 
 
 def looks_decoded(output: NDArray[np.float32], grid: AnchorGrid) -> bool:

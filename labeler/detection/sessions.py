@@ -5,11 +5,11 @@ from __future__ import annotations
 import logging
 import threading
 from collections.abc import Mapping, Sequence
+from importlib import import_module
 from pathlib import Path
 from typing import Protocol, cast
 
 import numpy as np
-import onnxruntime
 from numpy.typing import NDArray
 
 from labeler.detection.errors import DetectionError
@@ -22,7 +22,8 @@ GPU_PROVIDERS = (
     "CoreMLExecutionProvider",
     "DmlExecutionProvider",
 )
-"""By preference. TensorRT is left out: it compiles for minutes for each new input shape. It can be asked for by name."""
+"""By preference. TensorRT is left out: it compiles for minutes for each new input shape. It can be asked for by name.
+"""
 
 _log = logging.getLogger(__name__)
 
@@ -44,13 +45,29 @@ class _ModelMeta(Protocol):
 
 
 class _Session(Protocol):
-    """The part of onnxruntime.InferenceSession in use; onnxruntime has no complete types of its own."""
-
     def run(self, output_names: None, input_feed: Mapping[str, NDArray[np.float32]]) -> list[NDArray[np.float32]]: ...
     def get_inputs(self) -> Sequence[TensorInfo]: ...
     def get_outputs(self) -> Sequence[TensorInfo]: ...
     def get_providers(self) -> Sequence[str]: ...
     def get_modelmeta(self) -> _ModelMeta: ...
+
+
+class _SessionOptions(Protocol):
+    intra_op_num_threads: int
+    log_severity_level: int
+    enable_mem_pattern: bool
+
+
+class _Onnxruntime(Protocol):
+    def get_available_providers(self) -> Sequence[str]: ...
+    def SessionOptions(self) -> _SessionOptions: ...
+    def InferenceSession(
+        self, path_or_bytes: str, sess_options: _SessionOptions, *, providers: Sequence[str], enable_fallback: int
+    ) -> _Session: ...
+
+
+# Without types of its own, onnxruntime is known here by the part of it that is in use.
+_onnxruntime = cast(_Onnxruntime, import_module("onnxruntime"))
 
 
 class OpenSession:
@@ -85,7 +102,7 @@ def open_session(path: Path, *, providers: Sequence[str] | None, intra_op_thread
     Providers asked for by name must work. Raises DetectionError when they don't, or when the file is no ONNX model.
     """
     _require_file(path)
-    available = cast(Sequence[str], onnxruntime.get_available_providers())
+    available = _onnxruntime.get_available_providers()
     if providers is not None:
         missing = [name for name in providers if name not in available]
         if missing or not providers:
@@ -104,17 +121,14 @@ def open_session(path: Path, *, providers: Sequence[str] | None, intra_op_thread
 
 
 def _load(path: Path, providers: Sequence[str], intra_op_threads: int) -> OpenSession:
-    options = onnxruntime.SessionOptions()
+    options = _onnxruntime.SessionOptions()
     options.intra_op_num_threads = intra_op_threads
     options.log_severity_level = 3  # errors only: the rest is chatter on standard error
     if "DmlExecutionProvider" in providers:
         options.enable_mem_pattern = False  # DirectML demands it
     try:
         # Without enable_fallback=0 onnxruntime prints to standard output, which belongs to --json.
-        session = cast(
-            _Session,
-            onnxruntime.InferenceSession(str(path), options, providers=list(providers), enable_fallback=0),
-        )
+        session = _onnxruntime.InferenceSession(str(path), options, providers=list(providers), enable_fallback=0)
     except Exception as error:  # onnxruntime's errors share no other base class
         raise DetectionError(
             f"{path} can't be opened as an ONNX model: {error}. Is it the whole .onnx file, not a checkpoint (.pth) or "

@@ -149,4 +149,4 @@ def _covered(
 ) -> NDArray[np.bool_]:
     """(P,) whether most of a piece lies inside one other box of its group."""
     shared = np.where(same_group, intersection_matrix(pieces, others), 0)
-    return (shared >= _COVERED_SHARE * np.maximum(area(pieces), 1e-6)[:, None]).any(axis=1)
+    return np.any(shared >= _COVERED_SHARE * np.maximum(area(pieces), 1e-6)[:, None], axis=1)

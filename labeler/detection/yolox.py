@@ -161,7 +161,7 @@ class YoloxDetector:
         np.clip(xyxy_px[:, 0::2], tile.x1, tile.x2, out=xyxy_px[:, 0::2])
         np.clip(xyxy_px[:, 1::2], tile.y1, tile.y2, out=xyxy_px[:, 1::2])
         boxes = Detections(xyxy_px, candidates.score, self._kept_class[candidates.model_class])
-        has_area = (xyxy_px[:, 2:] > xyxy_px[:, :2]).all(axis=1)
+        has_area = np.all(xyxy_px[:, 2:] > xyxy_px[:, :2], axis=1)
         return self._suppress(boxes[has_area])
 
     def _join(self, parts: list[Detections], image_hw: tuple[int, int]) -> Detections:
