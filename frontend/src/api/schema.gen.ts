@@ -11,8 +11,11 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Health */
-        get: operations["health_api_health_get"];
+        /**
+         * Get Health
+         * @description Whether the server is up, and which version it is.
+         */
+        get: operations["get_health"];
         put?: never;
         post?: never;
         delete?: never;
@@ -28,8 +31,11 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Models */
-        get: operations["models_api_models_get"];
+        /**
+         * List Models
+         * @description The model files that the server was told about.
+         */
+        get: operations["list_models"];
         put?: never;
         post?: never;
         delete?: never;
@@ -45,11 +51,17 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** List Drives */
-        get: operations["list_drives_api_drives_get"];
+        /**
+         * List Drives
+         * @description All drives, newest first.
+         */
+        get: operations["list_drives"];
         put?: never;
-        /** Open Drive */
-        post: operations["open_drive_api_drives_post"];
+        /**
+         * Register Drive
+         * @description Take a folder on the server's own disk as it lies there. One that is known already is answered as it is.
+         */
+        post: operations["register_drive"];
         delete?: never;
         options?: never;
         head?: never;
@@ -65,8 +77,11 @@ export interface paths {
         };
         get?: never;
         put?: never;
-        /** Upload */
-        post: operations["upload_api_drives_upload_post"];
+        /**
+         * Upload Drive
+         * @description Take a drive as a zip or tar archive, and queue labelling where a model is configured.
+         */
+        post: operations["upload_drive"];
         delete?: never;
         options?: never;
         head?: never;
@@ -80,12 +95,18 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Drive */
-        get: operations["drive_api_drives__drive_id__get"];
+        /**
+         * Get Drive
+         * @description One drive in full.
+         */
+        get: operations["get_drive"];
         put?: never;
         post?: never;
-        /** Delete */
-        delete: operations["delete_api_drives__drive_id__delete"];
+        /**
+         * Delete Drive
+         * @description Forget a drive; an uploaded copy is deleted, a registered folder never is.
+         */
+        delete: operations["delete_drive"];
         options?: never;
         head?: never;
         patch?: never;
@@ -100,25 +121,11 @@ export interface paths {
         };
         get?: never;
         put?: never;
-        /** Label */
-        post: operations["label_api_drives__drive_id__label_post"];
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/api/drives/{drive_id}/frames/{frame_index}/images/{camera}": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        /** Image */
-        get: operations["image_api_drives__drive_id__frames__frame_index__images__camera__get"];
-        put?: never;
-        post?: never;
+        /**
+         * Label Drive
+         * @description Queue labelling. A label job of the drive that is still waiting or running is answered instead of a second.
+         */
+        post: operations["label_drive"];
         delete?: never;
         options?: never;
         head?: never;
@@ -132,8 +139,11 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Observations */
-        get: operations["observations_api_drives__drive_id__observations_get"];
+        /**
+         * List Observations
+         * @description All observations in the frames ``start <= frame_index < stop``, with their labels.
+         */
+        get: operations["list_observations"];
         put?: never;
         post?: never;
         delete?: never;
@@ -149,8 +159,11 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** List Tracks */
-        get: operations["list_tracks_api_drives__drive_id__tracks_get"];
+        /**
+         * List Tracks
+         * @description All tracks of the drive, in order of id.
+         */
+        get: operations["list_tracks"];
         put?: never;
         post?: never;
         delete?: never;
@@ -166,8 +179,11 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** List Identities */
-        get: operations["list_identities_api_drives__drive_id__identities_get"];
+        /**
+         * List Identities
+         * @description All identities of the drive, in order of id.
+         */
+        get: operations["list_identities"];
         put?: never;
         post?: never;
         delete?: never;
@@ -183,8 +199,11 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** List Merges */
-        get: operations["list_merges_api_drives__drive_id__merges_get"];
+        /**
+         * List Merges
+         * @description Merges of the drive by descending score.
+         */
+        get: operations["list_merges"];
         put?: never;
         post?: never;
         delete?: never;
@@ -202,8 +221,11 @@ export interface paths {
         };
         get?: never;
         put?: never;
-        /** Accept */
-        post: operations["accept_api_merges__merge_id__accept_post"];
+        /**
+         * Accept Merge
+         * @description Say that the two tracks are one object; 409 where that can't be.
+         */
+        post: operations["accept_merge"];
         delete?: never;
         options?: never;
         head?: never;
@@ -219,8 +241,11 @@ export interface paths {
         };
         get?: never;
         put?: never;
-        /** Reject */
-        post: operations["reject_api_merges__merge_id__reject_post"];
+        /**
+         * Reject Merge
+         * @description Say that the two tracks are two objects.
+         */
+        post: operations["reject_merge"];
         delete?: never;
         options?: never;
         head?: never;
@@ -236,8 +261,11 @@ export interface paths {
         };
         get?: never;
         put?: never;
-        /** Undo */
-        post: operations["undo_api_merges__merge_id__undo_post"];
+        /**
+         * Undo Merge
+         * @description Take back what a person said; what the machine said holds again.
+         */
+        post: operations["undo_merge"];
         delete?: never;
         options?: never;
         head?: never;
@@ -251,8 +279,11 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Drive Jobs */
-        get: operations["drive_jobs_api_drives__drive_id__jobs_get"];
+        /**
+         * List Jobs
+         * @description Jobs of the drive, newest first.
+         */
+        get: operations["list_jobs"];
         put?: never;
         post?: never;
         delete?: never;
@@ -268,8 +299,8 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Job */
-        get: operations["job_api_jobs__job_id__get"];
+        /** Get Job */
+        get: operations["get_job"];
         put?: never;
         post?: never;
         delete?: never;
@@ -287,8 +318,11 @@ export interface paths {
         };
         get?: never;
         put?: never;
-        /** Cancel */
-        post: operations["cancel_api_jobs__job_id__cancel_post"];
+        /**
+         * Cancel Job
+         * @description Ask the job to stop. A waiting job is cancelled at once, a running one at its next step.
+         */
+        post: operations["cancel_job"];
         delete?: never;
         options?: never;
         head?: never;
@@ -302,8 +336,11 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Events */
-        get: operations["events_api_jobs__job_id__events_get"];
+        /**
+         * Follow Job
+         * @description Server-sent events: the job at each change, until it has ended.
+         */
+        get: operations["follow_job"];
         put?: never;
         post?: never;
         delete?: never;
@@ -321,8 +358,11 @@ export interface paths {
         };
         get?: never;
         put?: never;
-        /** Export */
-        post: operations["export_api_drives__drive_id__exports_post"];
+        /**
+         * Create Export
+         * @description Queue writing the drive's labels in a dataset format.
+         */
+        post: operations["create_export"];
         delete?: never;
         options?: never;
         head?: never;
@@ -337,7 +377,7 @@ export interface paths {
             cookie?: never;
         };
         /** Get Export */
-        get: operations["get_export_api_exports__export_id__get"];
+        get: operations["get_export"];
         put?: never;
         post?: never;
         delete?: never;
@@ -353,8 +393,11 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Export File */
-        get: operations["export_file_api_exports__export_id__file_get"];
+        /**
+         * Download Export
+         * @description The finished file as a download.
+         */
+        get: operations["download_export"];
         put?: never;
         post?: never;
         delete?: never;
@@ -363,52 +406,21 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/drives/{drive_id}/scenes": {
+    "/api/drives/{drive_id}/frames/{frame_index}/images/{camera}": {
         parameters: {
             query?: never;
             header?: never;
             path?: never;
             cookie?: never;
         };
-        get?: never;
-        put?: never;
-        /** Scene */
-        post: operations["scene_api_drives__drive_id__scenes_post"];
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/api/scenes/{scene_id}/view": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        get?: never;
-        /** View */
-        put: operations["view_api_scenes__scene_id__view_put"];
-        post?: never;
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/api/scenes/{scene_id}": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        get?: never;
+        /**
+         * Get Image
+         * @description The image of one camera in one frame.
+         */
+        get: operations["get_image"];
         put?: never;
         post?: never;
-        /** Del Scene */
-        delete: operations["del_scene_api_scenes__scene_id__delete"];
+        delete?: never;
         options?: never;
         head?: never;
         patch?: never;
@@ -429,18 +441,15 @@ export interface components {
             /** Has Calibration */
             has_calibration: boolean;
         };
-        /** Donor */
-        Donor: {
-            /** Observation Id */
-            observation_id: number;
-            /** Camera */
-            camera: string;
-            /** Frame Index */
-            frame_index: number;
-            /** Score */
-            score: number;
-        };
-        /** Drive */
+        /**
+         * DecidedBy
+         * @enum {string}
+         */
+        DecidedBy: "machine" | "person";
+        /**
+         * Drive
+         * @description A recorded drive in a list; ``job`` is its latest label job.
+         */
         Drive: {
             /** Id */
             id: number;
@@ -448,11 +457,7 @@ export interface components {
             name: string;
             /** Format */
             format: string;
-            /**
-             * State
-             * @enum {string}
-             */
-            state: "new" | "queued" | "labelling" | "ready" | "failed";
+            state: components["schemas"]["DriveState"];
             /** Frame Count */
             frame_count: number;
             /** Camera Names */
@@ -475,11 +480,17 @@ export interface components {
             uploaded: boolean;
             /** Error */
             error: string | null;
-            /** Created At */
+            /**
+             * Created At
+             * Format: date-time
+             */
             created_at: string;
             job: components["schemas"]["Job"] | null;
         };
-        /** DriveDetail */
+        /**
+         * DriveDetail
+         * @description One drive in full. ``revision`` grows with every change to its labels.
+         */
         DriveDetail: {
             /** Id */
             id: number;
@@ -487,11 +498,7 @@ export interface components {
             name: string;
             /** Format */
             format: string;
-            /**
-             * State
-             * @enum {string}
-             */
-            state: "new" | "queued" | "labelling" | "ready" | "failed";
+            state: components["schemas"]["DriveState"];
             /** Frame Count */
             frame_count: number;
             /** Camera Names */
@@ -514,12 +521,18 @@ export interface components {
             uploaded: boolean;
             /** Error */
             error: string | null;
-            /** Created At */
+            /**
+             * Created At
+             * Format: date-time
+             */
             created_at: string;
             job: components["schemas"]["Job"] | null;
             /** Cameras */
             cameras: components["schemas"]["Camera"][];
-            /** Frame Times Ms */
+            /**
+             * Frame Times Ms
+             * @description One time per frame, since the drive's start.
+             */
             frame_times_ms: number[];
             /** Warnings */
             warnings: string[];
@@ -527,24 +540,57 @@ export interface components {
             class_names: string[];
             /** Revision */
             revision: number;
-            /** Summary */
+            /**
+             * Summary
+             * @description What the pipeline reported.
+             */
             summary: {
                 [key: string]: unknown;
             } | null;
         };
-        /** Export */
+        /**
+         * DriveRegistration
+         * @description A folder on the server's own disk; ``scene`` chooses one where the folder holds several.
+         */
+        DriveRegistration: {
+            /** Path */
+            path: string;
+            /** Scene */
+            scene?: string | null;
+        };
+        /**
+         * DriveState
+         * @enum {string}
+         */
+        DriveState: "new" | "queued" | "labelling" | "ready" | "failed";
+        /**
+         * ErrorBody
+         * @description What every answer other than 2xx holds.
+         */
+        ErrorBody: {
+            detail: components["schemas"]["ErrorDetail"];
+        };
+        /**
+         * ErrorDetail
+         * @description ``code`` is for programs, ``message`` a full sentence for the user: what, where, what to do.
+         */
+        ErrorDetail: {
+            /** Code */
+            code: string;
+            /** Message */
+            message: string;
+        };
+        /**
+         * Export
+         * @description A dataset file, made by the worker; ``file_url`` is there when it is done.
+         */
         Export: {
             /** Id */
             id: number;
             /** Drive Id */
             drive_id: number;
-            /** Format */
-            format: string;
-            /**
-             * State
-             * @enum {string}
-             */
-            state: "queued" | "running" | "done" | "failed";
+            format: components["schemas"]["ExportFormat"];
+            state: components["schemas"]["ExportState"];
             /** Label Count */
             label_count: number | null;
             /** Size Bytes */
@@ -556,20 +602,28 @@ export interface components {
             /** File Url */
             file_url: string | null;
         };
-        /** ExportRequest */
+        /**
+         * ExportFormat
+         * @enum {string}
+         */
+        ExportFormat: "coco";
+        /**
+         * ExportRequest
+         * @description Labels below ``min_score`` stay out.
+         */
         ExportRequest: {
-            /**
-             * Format
-             * @default coco
-             * @constant
-             */
-            format: "coco";
+            format: components["schemas"]["ExportFormat"];
             /**
              * Min Score
              * @default 0
              */
             min_score: number;
         };
+        /**
+         * ExportState
+         * @enum {string}
+         */
+        ExportState: "queued" | "running" | "done" | "failed";
         /** FrameObservations */
         FrameObservations: {
             /** Frame Index */
@@ -577,22 +631,17 @@ export interface components {
             /** Observations */
             observations: components["schemas"]["Observation"][];
         };
-        /** HTTPValidationError */
-        HTTPValidationError: {
-            /** Detail */
-            detail?: components["schemas"]["ValidationError"][];
-        };
         /** Health */
         Health: {
             /** Version */
             version: string;
-            /**
-             * Status
-             * @constant
-             */
-            status: "ok";
+            /** Status */
+            status: string;
         };
-        /** Identity */
+        /**
+         * Identity
+         * @description One object: its ``id`` is the smallest track id in it.
+         */
         Identity: {
             /** Id */
             id: number;
@@ -612,9 +661,12 @@ export interface components {
             observation_count: number;
             /** Propagated Count */
             propagated_count: number;
-            donor: components["schemas"]["IdentityDonor"] | null;
+            donor: components["schemas"]["IdentityDonor"];
         };
-        /** IdentityDonor */
+        /**
+         * IdentityDonor
+         * @description The best observation of an identity: its class and score are the identity's label.
+         */
         IdentityDonor: {
             /** Observation Id */
             observation_id: number;
@@ -627,22 +679,17 @@ export interface components {
             /** Score */
             score: number;
         };
-        /** Job */
+        /**
+         * Job
+         * @description A piece of long work; ``done`` of ``total`` units of its current stage.
+         */
         Job: {
             /** Id */
             id: number;
             /** Drive Id */
             drive_id: number;
-            /**
-             * Kind
-             * @enum {string}
-             */
-            kind: "label" | "export";
-            /**
-             * State
-             * @enum {string}
-             */
-            state: "queued" | "running" | "done" | "failed" | "cancelled";
+            kind: components["schemas"]["JobKind"];
+            state: components["schemas"]["JobState"];
             /** Stage */
             stage: string | null;
             /** Done */
@@ -653,32 +700,66 @@ export interface components {
             message: string | null;
             /** Error */
             error: string | null;
-            /** Created At */
+            /**
+             * Created At
+             * Format: date-time
+             */
             created_at: string;
             /** Started At */
             started_at: string | null;
             /** Finished At */
             finished_at: string | null;
         };
+        /**
+         * JobKind
+         * @enum {string}
+         */
+        JobKind: "label" | "export";
+        /**
+         * JobState
+         * @enum {string}
+         */
+        JobState: "queued" | "running" | "done" | "failed" | "cancelled";
         /** Label */
         Label: {
             /** Class Name */
             class_name: string;
             /** Score */
             score: number;
-            /**
-             * Source
-             * @enum {string}
-             */
-            source: "auto" | "propagated" | "human";
-            donor: components["schemas"]["Donor"] | null;
+            source: components["schemas"]["LabelSource"];
+            donor: components["schemas"]["LabelDonor"] | null;
         };
-        /** LabelRequest */
+        /**
+         * LabelDonor
+         * @description The observation that a propagated label was taken from.
+         */
+        LabelDonor: {
+            /** Observation Id */
+            observation_id: number;
+            /** Camera */
+            camera: string;
+            /** Frame Index */
+            frame_index: number;
+            /** Score */
+            score: number;
+        };
+        /**
+         * LabelRequest
+         * @description ``model_path`` names another model file than the configured one.
+         */
         LabelRequest: {
             /** Model Path */
             model_path?: string | null;
         };
-        /** Merge */
+        /**
+         * LabelSource
+         * @enum {string}
+         */
+        LabelSource: "auto" | "propagated" | "human";
+        /**
+         * Merge
+         * @description A claim that two tracks are one object, with its evidence.
+         */
         Merge: {
             /** Id */
             id: number;
@@ -692,16 +773,8 @@ export interface components {
             camera_b: string;
             /** Score */
             score: number;
-            /**
-             * State
-             * @enum {string}
-             */
-            state: "proposed" | "accepted" | "rejected";
-            /**
-             * Decided By
-             * @enum {string}
-             */
-            decided_by: "machine" | "person";
+            state: components["schemas"]["MergeState"];
+            decided_by: components["schemas"]["DecidedBy"];
             /** Shared Frames */
             shared_frames: number;
             /** Agreeing Frames */
@@ -713,15 +786,21 @@ export interface components {
             /** Reason */
             reason: string;
             /** Best Frames */
-            best_frames: components["schemas"]["SharedFrame"][];
-            /** Label Count */
+            best_frames: components["schemas"]["MergeFrame"][];
+            /**
+             * Label Count
+             * @description How many labels accepting or undoing it changes.
+             */
             label_count: number;
             /** Identity A */
             identity_a: number;
             /** Identity B */
             identity_b: number;
         };
-        /** MergeChange */
+        /**
+         * MergeChange
+         * @description What a decision changed; ``identity_ids`` are the identities that its tracks are in afterwards.
+         */
         MergeChange: {
             merge: components["schemas"]["Merge"];
             /** Changed Label Count */
@@ -731,7 +810,29 @@ export interface components {
             /** Revision */
             revision: number;
         };
-        /** Model */
+        /**
+         * MergeFrame
+         * @description The evidence of one frame in which both tracks have a 3D box.
+         */
+        MergeFrame: {
+            /** Frame Index */
+            frame_index: number;
+            /** Distance M */
+            distance_m: number;
+            /** Bev Iou */
+            bev_iou: number;
+            /** Iou 3D */
+            iou_3d: number;
+        };
+        /**
+         * MergeState
+         * @enum {string}
+         */
+        MergeState: "proposed" | "accepted" | "rejected";
+        /**
+         * Model
+         * @description A model file that the server was told about.
+         */
         Model: {
             /** Path */
             path: string;
@@ -740,14 +841,10 @@ export interface components {
             /** Default */
             default: boolean;
         };
-        /** NewDrive */
-        NewDrive: {
-            /** Path */
-            path: string;
-            /** Scene */
-            scene?: string | null;
-        };
-        /** Observation */
+        /**
+         * Observation
+         * @description A box of a track in one image; ``score`` is null where the tracker filled the box in.
+         */
         Observation: {
             /** Id */
             id: number;
@@ -757,7 +854,10 @@ export interface components {
             identity_id: number;
             /** Camera */
             camera: string;
-            /** Box */
+            /**
+             * Box
+             * @description x1, y1, x2, y2 in pixels of the original image.
+             */
             box: [
                 number,
                 number,
@@ -772,37 +872,15 @@ export interface components {
             filled: boolean;
             label: components["schemas"]["Label"];
         };
-        /** ObservationPage */
+        /**
+         * ObservationPage
+         * @description Observations of a run of frames; frames without any are listed too.
+         */
         ObservationPage: {
             /** Revision */
             revision: number;
             /** Frames */
             frames: components["schemas"]["FrameObservations"][];
-        };
-        /** Scene */
-        Scene: {
-            /** Scene Id */
-            scene_id: string;
-            /** Url */
-            url: string;
-        };
-        /** SceneView */
-        SceneView: {
-            /** Frame Index */
-            frame_index: number;
-            /** Identity Id */
-            identity_id?: number | null;
-        };
-        /** SharedFrame */
-        SharedFrame: {
-            /** Frame Index */
-            frame_index: number;
-            /** Distance M */
-            distance_m: number;
-            /** Bev Iou */
-            bev_iou: number;
-            /** Iou 3D */
-            iou_3d: number;
         };
         /** Track */
         Track: {
@@ -819,24 +897,11 @@ export interface components {
             /** Identity Id */
             identity_id: number;
             /** Best Score */
-            best_score: number | null;
+            best_score: number;
             /** Best Frame */
-            best_frame: number | null;
+            best_frame: number;
             /** Class Name */
             class_name: string;
-        };
-        /** ValidationError */
-        ValidationError: {
-            /** Location */
-            loc: (string | number)[];
-            /** Message */
-            msg: string;
-            /** Error Type */
-            type: string;
-            /** Input */
-            input?: unknown;
-            /** Context */
-            ctx?: Record<string, never>;
         };
     };
     responses: never;
@@ -847,7 +912,7 @@ export interface components {
 }
 export type $defs = Record<string, never>;
 export interface operations {
-    health_api_health_get: {
+    get_health: {
         parameters: {
             query?: never;
             header?: never;
@@ -865,9 +930,18 @@ export interface operations {
                     "application/json": components["schemas"]["Health"];
                 };
             };
+            /** @description What was wrong, where, and what to do. */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
         };
     };
-    models_api_models_get: {
+    list_models: {
         parameters: {
             query?: never;
             header?: never;
@@ -885,9 +959,18 @@ export interface operations {
                     "application/json": components["schemas"]["Model"][];
                 };
             };
+            /** @description What was wrong, where, and what to do. */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
         };
     };
-    list_drives_api_drives_get: {
+    list_drives: {
         parameters: {
             query?: never;
             header?: never;
@@ -905,9 +988,18 @@ export interface operations {
                     "application/json": components["schemas"]["Drive"][];
                 };
             };
+            /** @description What was wrong, where, and what to do. */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
         };
     };
-    open_drive_api_drives_post: {
+    register_drive: {
         parameters: {
             query?: never;
             header?: never;
@@ -916,7 +1008,7 @@ export interface operations {
         };
         requestBody: {
             content: {
-                "application/json": components["schemas"]["NewDrive"];
+                "application/json": components["schemas"]["DriveRegistration"];
             };
         };
         responses: {
@@ -929,27 +1021,32 @@ export interface operations {
                     "application/json": components["schemas"]["Drive"];
                 };
             };
-            /** @description Validation Error */
-            422: {
+            /** @description What was wrong, where, and what to do. */
+            "4XX": {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["ErrorBody"];
                 };
             };
         };
     };
-    upload_api_drives_upload_post: {
+    upload_drive: {
         parameters: {
             query: {
+                /** @description Name of the archive. */
                 filename: string;
             };
             header?: never;
             path?: never;
             cookie?: never;
         };
-        requestBody?: never;
+        requestBody: {
+            content: {
+                "application/octet-stream": string;
+            };
+        };
         responses: {
             /** @description Successful Response */
             201: {
@@ -960,18 +1057,18 @@ export interface operations {
                     "application/json": components["schemas"]["Drive"];
                 };
             };
-            /** @description Validation Error */
-            422: {
+            /** @description What was wrong, where, and what to do. */
+            "4XX": {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["ErrorBody"];
                 };
             };
         };
     };
-    drive_api_drives__drive_id__get: {
+    get_drive: {
         parameters: {
             query?: never;
             header?: never;
@@ -991,18 +1088,18 @@ export interface operations {
                     "application/json": components["schemas"]["DriveDetail"];
                 };
             };
-            /** @description Validation Error */
-            422: {
+            /** @description What was wrong, where, and what to do. */
+            "4XX": {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["ErrorBody"];
                 };
             };
         };
     };
-    delete_api_drives__drive_id__delete: {
+    delete_drive: {
         parameters: {
             query?: never;
             header?: never;
@@ -1020,18 +1117,18 @@ export interface operations {
                 };
                 content?: never;
             };
-            /** @description Validation Error */
-            422: {
+            /** @description What was wrong, where, and what to do. */
+            "4XX": {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["ErrorBody"];
                 };
             };
         };
     };
-    label_api_drives__drive_id__label_post: {
+    label_drive: {
         parameters: {
             query?: never;
             header?: never;
@@ -1055,55 +1152,24 @@ export interface operations {
                     "application/json": components["schemas"]["Job"];
                 };
             };
-            /** @description Validation Error */
-            422: {
+            /** @description What was wrong, where, and what to do. */
+            "4XX": {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["ErrorBody"];
                 };
             };
         };
     };
-    image_api_drives__drive_id__frames__frame_index__images__camera__get: {
+    list_observations: {
         parameters: {
-            query?: {
-                max_width?: number | null;
-            };
-            header?: never;
-            path: {
-                drive_id: number;
-                frame_index: number;
-                camera: string;
-            };
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content?: never;
-            };
-            /** @description Validation Error */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
-                };
-            };
-        };
-    };
-    observations_api_drives__drive_id__observations_get: {
-        parameters: {
-            query?: {
-                start?: number;
-                stop?: number;
+            query: {
+                /** @description First frame. */
+                start: number;
+                /** @description Frame after the last; at most 200 frames after start. */
+                stop: number;
             };
             header?: never;
             path: {
@@ -1122,18 +1188,18 @@ export interface operations {
                     "application/json": components["schemas"]["ObservationPage"];
                 };
             };
-            /** @description Validation Error */
-            422: {
+            /** @description What was wrong, where, and what to do. */
+            "4XX": {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["ErrorBody"];
                 };
             };
         };
     };
-    list_tracks_api_drives__drive_id__tracks_get: {
+    list_tracks: {
         parameters: {
             query?: never;
             header?: never;
@@ -1153,18 +1219,18 @@ export interface operations {
                     "application/json": components["schemas"]["Track"][];
                 };
             };
-            /** @description Validation Error */
-            422: {
+            /** @description What was wrong, where, and what to do. */
+            "4XX": {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["ErrorBody"];
                 };
             };
         };
     };
-    list_identities_api_drives__drive_id__identities_get: {
+    list_identities: {
         parameters: {
             query?: never;
             header?: never;
@@ -1184,21 +1250,22 @@ export interface operations {
                     "application/json": components["schemas"]["Identity"][];
                 };
             };
-            /** @description Validation Error */
-            422: {
+            /** @description What was wrong, where, and what to do. */
+            "4XX": {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["ErrorBody"];
                 };
             };
         };
     };
-    list_merges_api_drives__drive_id__merges_get: {
+    list_merges: {
         parameters: {
             query?: {
-                state?: ("proposed" | "accepted" | "rejected") | null;
+                /** @description Only merges in this state. */
+                state?: components["schemas"]["MergeState"] | null;
             };
             header?: never;
             path: {
@@ -1217,18 +1284,18 @@ export interface operations {
                     "application/json": components["schemas"]["Merge"][];
                 };
             };
-            /** @description Validation Error */
-            422: {
+            /** @description What was wrong, where, and what to do. */
+            "4XX": {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["ErrorBody"];
                 };
             };
         };
     };
-    accept_api_merges__merge_id__accept_post: {
+    accept_merge: {
         parameters: {
             query?: never;
             header?: never;
@@ -1248,18 +1315,18 @@ export interface operations {
                     "application/json": components["schemas"]["MergeChange"];
                 };
             };
-            /** @description Validation Error */
-            422: {
+            /** @description What was wrong, where, and what to do. */
+            "4XX": {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["ErrorBody"];
                 };
             };
         };
     };
-    reject_api_merges__merge_id__reject_post: {
+    reject_merge: {
         parameters: {
             query?: never;
             header?: never;
@@ -1279,18 +1346,18 @@ export interface operations {
                     "application/json": components["schemas"]["MergeChange"];
                 };
             };
-            /** @description Validation Error */
-            422: {
+            /** @description What was wrong, where, and what to do. */
+            "4XX": {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["ErrorBody"];
                 };
             };
         };
     };
-    undo_api_merges__merge_id__undo_post: {
+    undo_merge: {
         parameters: {
             query?: never;
             header?: never;
@@ -1310,18 +1377,18 @@ export interface operations {
                     "application/json": components["schemas"]["MergeChange"];
                 };
             };
-            /** @description Validation Error */
-            422: {
+            /** @description What was wrong, where, and what to do. */
+            "4XX": {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["ErrorBody"];
                 };
             };
         };
     };
-    drive_jobs_api_drives__drive_id__jobs_get: {
+    list_jobs: {
         parameters: {
             query?: never;
             header?: never;
@@ -1341,18 +1408,18 @@ export interface operations {
                     "application/json": components["schemas"]["Job"][];
                 };
             };
-            /** @description Validation Error */
-            422: {
+            /** @description What was wrong, where, and what to do. */
+            "4XX": {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["ErrorBody"];
                 };
             };
         };
     };
-    job_api_jobs__job_id__get: {
+    get_job: {
         parameters: {
             query?: never;
             header?: never;
@@ -1372,18 +1439,18 @@ export interface operations {
                     "application/json": components["schemas"]["Job"];
                 };
             };
-            /** @description Validation Error */
-            422: {
+            /** @description What was wrong, where, and what to do. */
+            "4XX": {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["ErrorBody"];
                 };
             };
         };
     };
-    cancel_api_jobs__job_id__cancel_post: {
+    cancel_job: {
         parameters: {
             query?: never;
             header?: never;
@@ -1403,18 +1470,18 @@ export interface operations {
                     "application/json": components["schemas"]["Job"];
                 };
             };
-            /** @description Validation Error */
-            422: {
+            /** @description What was wrong, where, and what to do. */
+            "4XX": {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["ErrorBody"];
                 };
             };
         };
     };
-    events_api_jobs__job_id__events_get: {
+    follow_job: {
         parameters: {
             query?: never;
             header?: never;
@@ -1425,25 +1492,27 @@ export interface operations {
         };
         requestBody?: never;
         responses: {
-            /** @description Successful Response */
+            /** @description `event: job` with a Job as data. */
             200: {
                 headers: {
                     [name: string]: unknown;
                 };
-                content?: never;
+                content: {
+                    "text/event-stream": unknown;
+                };
             };
-            /** @description Validation Error */
-            422: {
+            /** @description What was wrong, where, and what to do. */
+            "4XX": {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["ErrorBody"];
                 };
             };
         };
     };
-    export_api_drives__drive_id__exports_post: {
+    create_export: {
         parameters: {
             query?: never;
             header?: never;
@@ -1467,18 +1536,18 @@ export interface operations {
                     "application/json": components["schemas"]["Export"];
                 };
             };
-            /** @description Validation Error */
-            422: {
+            /** @description What was wrong, where, and what to do. */
+            "4XX": {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["ErrorBody"];
                 };
             };
         };
     };
-    get_export_api_exports__export_id__get: {
+    get_export: {
         parameters: {
             query?: never;
             header?: never;
@@ -1498,18 +1567,18 @@ export interface operations {
                     "application/json": components["schemas"]["Export"];
                 };
             };
-            /** @description Validation Error */
-            422: {
+            /** @description What was wrong, where, and what to do. */
+            "4XX": {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["ErrorBody"];
                 };
             };
         };
     };
-    export_file_api_exports__export_id__file_get: {
+    download_export: {
         parameters: {
             query?: never;
             header?: never;
@@ -1520,113 +1589,58 @@ export interface operations {
         };
         requestBody?: never;
         responses: {
-            /** @description Successful Response */
+            /** @description The dataset file. */
             200: {
                 headers: {
                     [name: string]: unknown;
                 };
-                content?: never;
+                content: {
+                    "application/json": unknown;
+                };
             };
-            /** @description Validation Error */
-            422: {
+            /** @description What was wrong, where, and what to do. */
+            "4XX": {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["ErrorBody"];
                 };
             };
         };
     };
-    scene_api_drives__drive_id__scenes_post: {
+    get_image: {
         parameters: {
-            query?: never;
+            query?: {
+                /** @description Shrink wider images to this width. */
+                max_width?: number | null;
+            };
             header?: never;
             path: {
                 drive_id: number;
+                frame_index: number;
+                camera: string;
             };
             cookie?: never;
         };
         requestBody?: never;
         responses: {
-            /** @description Successful Response */
-            201: {
+            /** @description The image as JPEG. */
+            200: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Scene"];
+                    "image/jpeg": unknown;
                 };
             };
-            /** @description Validation Error */
-            422: {
+            /** @description What was wrong, where, and what to do. */
+            "4XX": {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
-                };
-            };
-        };
-    };
-    view_api_scenes__scene_id__view_put: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path: {
-                scene_id: string;
-            };
-            cookie?: never;
-        };
-        requestBody: {
-            content: {
-                "application/json": components["schemas"]["SceneView"];
-            };
-        };
-        responses: {
-            /** @description Successful Response */
-            204: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content?: never;
-            };
-            /** @description Validation Error */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
-                };
-            };
-        };
-    };
-    del_scene_api_scenes__scene_id__delete: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path: {
-                scene_id: string;
-            };
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description Successful Response */
-            204: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content?: never;
-            };
-            /** @description Validation Error */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["ErrorBody"];
                 };
             };
         };
