@@ -81,9 +81,11 @@ def _corners(
         if not decoded:
             stride = grid.stride_px[rows]
             center = (center + grid.cell[rows]) * stride
-            size = np.exp(size, dtype=np.float32) * stride
-        half = size * np.float32(0.5)
-        return np.concatenate([center - half, center + half], axis=1)
+            size = np.exp(size) * stride
+        corners = np.empty((len(rows), 4), np.float32)
+        corners[:, :2] = center - size / 2
+        corners[:, 2:] = center + size / 2
+    return corners
 
 
 def looks_decoded(output: NDArray[np.float32], grid: AnchorGrid) -> bool:
