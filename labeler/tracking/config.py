@@ -24,20 +24,23 @@ class TrackingConfig:
     min_score: float = 0.1
     """A detection with at least this score may continue a track; one below is ignored."""
 
-    min_iou: float = 0.2
+    min_iou: float = 0.1
     """A detection feeds a track only if it overlaps the box predicted for it by at least this much."""
 
-    max_coast_s: float = 1.0
-    """A track that no detection has fed for longer than this has ended, in seconds."""
+    max_coast_s: float = 1.2
+    """A track that no detection has fed for longer than this has ended, in seconds (the paper: 12 images at 10 Hz)."""
 
     measurement_std_sizes: float = 0.05
     """How far a detected box is off, in sizes (standard deviation of centre, width and height)."""
 
     initial_speed_std_sizes: float = 2.0
-    """How fast a new object may move or grow, in sizes a second (standard deviation)."""
+    """How fast a new object may move, in sizes a second (standard deviation of the centre's speed)."""
 
-    speed_change_std_sizes: float = 2.0
-    """How much speed changes within one second, in sizes a second (standard deviation)."""
+    speed_change_std_sizes: float = 1.0
+    """How much the speed changes within one second, in sizes a second (standard deviation of the centre's speed)."""
+
+    growth_ratio: float = 0.2
+    """How fast width and height change, compared with the centre: a turning camera moves boxes, it grows none."""
 
     def __post_init__(self) -> None:
         for field in fields(self):

@@ -128,7 +128,8 @@ class KalmanIouTracker:
                 detection_group=groups[rows],
                 min_iou=self._config.min_iou,
             )
-            fed.update({int(rows[column]): waiting[track] for track, column in zip(tracks, columns, strict=True)})
+            for track, column in zip(tracks.tolist(), columns.tolist(), strict=True):
+                fed[int(rows[column])] = waiting[track]
             taken = set(tracks.tolist())
             waiting = [track for index, track in enumerate(waiting) if index not in taken]
         return fed

@@ -34,17 +34,19 @@ class BoxMotion:
     def __init__(self, xyxy_px: _Array, config: TrackingConfig) -> None:
         self._config = config
         self._mean = np.concatenate([_center_and_sides(xyxy_px), np.zeros(4)])
-        stds = np.repeat([config.measurement_std_sizes, config.initial_speed_std_sizes], 4)
-        self._covariance = np.diag(np.square(stds * self._size_px))
+        self._speed_ratio = np.array([1, 1, config.growth_ratio, config.growth_ratio], np.float64)
+        position_std = np.full(4, config.measurement_std_sizes)
+        speed_std = config.initial_speed_std_sizes * self._speed_ratio
+        self._covariance = np.diag(np.square(np.concatenate([position_std, speed_std]) * self._size_px))
 
     def predict(self, dt_s: float) -> None:
         """Move the box on by ``dt_s`` seconds (0 leaves it where it is)."""
-        density = np.square(self._config.speed_change_std_sizes * self._size_px)
+        change = np.square(self._config.speed_change_std_sizes * self._size_px * self._speed_ratio)
         self._mean, self._covariance = _predict(
             self._mean,
             self._covariance,
-            _for_each_coordinate([[1.0, dt_s], [0.0, 1.0]]),
-            _for_each_coordinate([[dt_s**3 / 3, dt_s**2 / 2], [dt_s**2 / 2, dt_s]]) * density,
+            _blocks([[1.0, dt_s], [0.0, 1.0]], np.ones(4)),
+            _blocks([[dt_s**3 / 3, dt_s**2 / 2], [dt_s**2 / 2, dt_s]], change),
         )
 
     def update(self, xyxy_px: _Array) -> None:
@@ -69,9 +71,9 @@ class BoxMotion:
         return _size_px(self._mean)
 
 
-def _for_each_coordinate(position_and_speed: list[list[float]]) -> _Array:
-    """(8, 8): a (2, 2) over position and speed, for the four coordinates that don't influence one another."""
-    return np.kron(np.array(position_and_speed, np.float64), _EYE_4).astype(np.float64, copy=False)
+def _blocks(position_and_speed: list[list[float]], scale: _Array) -> _Array:
+    """(8, 8): the (2, 2) over position and speed for each coordinate, times its scale (4,); coordinates don't mix."""
+    return np.kron(np.array(position_and_speed, np.float64), np.diag(scale)).astype(np.float64, copy=False)
 
 
 def _center_and_sides(xyxy_px: _Array) -> _Array:
