@@ -1,8 +1,10 @@
-"""Where the recorded drives and the weights for tests lie: beside the repository, in ../shared, and not on every machine."""
+"""Drives and models for tests: recorded ones from ../shared, which not every machine has, and ones made by code."""
 
 from pathlib import Path
 
 import pytest
+
+from tests.made_drive import write_drive, write_model
 
 SHARED = Path(__file__).resolve().parents[2] / "shared"
 
@@ -48,3 +50,15 @@ def yolox_nano_416() -> Path:
 def kitti_tracking_text() -> Path:
     """KITTI tracking 0000-0010 as text: truth with ids and YOLOX detections."""
     return _shared("mot/kitti_tracking")
+
+
+@pytest.fixture(scope="session")
+def made_drive(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A small drive made by code: two cameras, LiDAR, poses, 12 frames; one of its two cars is seen by both cameras."""
+    return write_drive(tmp_path_factory.mktemp("drives") / "made drive")
+
+
+@pytest.fixture(scope="session")
+def made_model(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A YOLOX-shaped model that finds the cars of ``made_drive``."""
+    return write_model(tmp_path_factory.mktemp("models") / "made.onnx")

@@ -1,0 +1,1 @@
+"""The commands of ``hindsight`` that label and measure, one module each."""

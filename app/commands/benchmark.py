@@ -1,0 +1,43 @@
+"""``hindsight benchmark``: measure on this machine."""
+
+import json
+from typing import Annotated
+
+import typer
+
+from app.commands.label import label_settings, require_model
+from app.commands.options import AsJson, DriveFolder, InputSize, ModelFile, SceneName
+from app.commands.terminal import clear_errors, say
+from labeler.drive import open_drive
+from labeler.pipeline.benchmark import benchmark_pipeline, repeat_frames
+
+benchmark = typer.Typer(help="Measure on this machine.", no_args_is_help=True)
+
+
+@benchmark.callback()
+def measure() -> None:
+    """Measure on this machine."""
+
+
+@benchmark.command()
+def pipeline(
+    drive: DriveFolder,
+    model: ModelFile = None,
+    scene: SceneName = None,
+    input_size: InputSize = None,
+    repeat: Annotated[int, typer.Option(min=1, help="Run over the drive's frames this many times in a row.")] = 1,
+    runs: Annotated[int, typer.Option(min=1, help="Take the median of this many runs.")] = 3,
+    as_json: AsJson = False,
+) -> None:
+    """Time the whole pipeline beside the bare loop: decode each image and run the model on it."""
+    with clear_errors():
+        recorded = repeat_frames(open_drive(drive, scene=scene), repeat)
+        times = benchmark_pipeline(recorded, model=require_model(model), settings=label_settings(input_size), runs=runs)
+    if as_json:
+        typer.echo(json.dumps(times))
+        return
+    say(f"{times['frames']} frames, median of {runs} runs")
+    say(f"bare loop  {times['bare_seconds']:8.2f} s   decode each image, run the model on it")
+    say(f"pipeline   {times['pipeline_seconds']:8.2f} s   of which LiDAR {times['lidar_seconds']:.2f} s")
+    say(f"ratio      {times['ratio']:8.2f}     (pipeline - LiDAR) / bare loop")
+    say(f"memory     {times['peak_memory_mb']:8.0f} MB  at the peak, workers included")

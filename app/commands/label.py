@@ -1,0 +1,100 @@
+"""``hindsight label``: label a drive, and put the result where ``hindsight serve`` shows it."""
+
+import json
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from app.commands.options import AsJson, DriveFolder, InputSize, ModelFile, SceneName, WorkspaceFolder
+from app.commands.terminal import TerminalProgress, clear_errors, say
+from app.settings import Settings
+from labeler.detection import DetectionConfig
+from labeler.drive import Drive, open_drive
+from labeler.errors import HindsightError
+from labeler.evaluation.merges import score_merges
+from labeler.pipeline import LabelledDrive, LabelSettings, Summary, label_drive, open_executor
+
+
+class ExecutorName(StrEnum):
+    """Who does the work."""
+
+    PROCESSES = "processes"
+    SERIAL = "serial"
+
+
+def label(
+    drive: DriveFolder,
+    model: ModelFile = None,
+    scene: SceneName = None,
+    workspace: WorkspaceFolder = None,
+    input_size: InputSize = None,
+    executor: Annotated[
+        ExecutorName, typer.Option(help="Worker processes on all cores, or one thing after the other in one process.")
+    ] = ExecutorName.PROCESSES,
+    workers: Annotated[
+        int | None, typer.Option(min=1, help="How many cores to use. [default: all]", show_default=False)
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Label a recorded drive. Stop it with Ctrl-C at any time; the same command goes on from there."""
+    with clear_errors():
+        settings = Settings() if workspace is None else Settings(workspace=workspace)
+        recorded = open_drive(drive, scene=scene)
+        say(f"{recorded.name}: {len(recorded.frames)} frames, {len(recorded.cameras)} cameras ({recorded.format})")
+        with open_executor(executor.value, workers=workers) as open_workers, TerminalProgress() as progress:
+            labelled = label_drive(
+                recorded,
+                model=require_model(model),
+                workspace=settings.workspace,
+                settings=label_settings(input_size),
+                executor=open_workers,
+                progress=progress,
+            )
+        report(labelled.summary)
+        report_truth(recorded, labelled)
+    if as_json:
+        typer.echo(json.dumps(labelled.summary))
+
+
+def require_model(model: Path | None) -> Path:
+    """The model that was named, else the one of the settings. HindsightError when there is neither."""
+    chosen = model or Settings().model
+    if chosen is None:
+        raise HindsightError(
+            "No model is named. Pass --model FILE, or set HINDSIGHT_MODEL, to a YOLOX model in ONNX form "
+            "(any of nano, tiny, s, m, l, x)."
+        )
+    return chosen
+
+
+def label_settings(input_size: int | None) -> LabelSettings:
+    """The default settings, with the input size where one is given. HindsightError when it is out of range."""
+    if input_size is None:
+        return LabelSettings()
+    try:
+        return LabelSettings(detection=DetectionConfig(input_long_side_px=input_size))
+    except ValueError as error:
+        raise HindsightError(f"--input-size {input_size} can't be used: {error}.") from error
+
+
+def report(summary: Summary) -> None:
+    """Say what came out, for a person."""
+    for warning in summary["warnings"]:
+        say(f"Warning: {warning}")
+    for name, camera in summary["cameras"].items():
+        say(f"  {name}: {camera['frames']} images, {camera['detections']} detections, {camera['tracks']} tracks")
+    merges = summary["merges"]
+    say(
+        f"  {summary['identities']} identities; merges: {merges['accepted']} accepted, {merges['proposed']} proposed, "
+        f"{merges['rejected']} rejected; {summary['labels_propagated']} labels propagated"
+    )
+    say(f"  {sum(summary['seconds'].values()):.1f} s, {summary['peak_memory_mb']:.0f} MB at the peak")
+
+
+def report_truth(drive: Drive, labelled: LabelledDrive) -> None:
+    """Where the drive comes with true boxes, say how many merges agree with them."""
+    truth = drive.read_truth(drive.frames)
+    if truth is not None and truth.boxes_2d is not None:
+        say(f"  {score_merges(truth.boxes_2d, labelled).sentence()}")

@@ -1,0 +1,42 @@
+"""Options that several commands share."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+DriveFolder = Annotated[
+    Path,
+    typer.Argument(
+        help="Folder of a recorded drive: an Argoverse 2 sensor log, KITTI tracking, or nuScenes.", show_default=False
+    ),
+]
+ModelFile = Annotated[
+    Path | None,
+    typer.Option("--model", "-m", help="YOLOX model file (.onnx). [default: HINDSIGHT_MODEL]", show_default=False),
+]
+SceneName = Annotated[
+    str | None,
+    typer.Option(
+        "--scene", help="Which nuScenes scene or KITTI sequence, where the folder holds several.", show_default=False
+    ),
+]
+WorkspaceFolder = Annotated[
+    Path | None,
+    typer.Option(
+        "--workspace",
+        "-w",
+        help="Folder for artifacts and the store. [default: HINDSIGHT_WORKSPACE, else hindsight in your data folder]",
+        show_default=False,
+    ),
+]
+InputSize = Annotated[
+    int | None,
+    typer.Option(
+        "--input-size",
+        help="Longest side in pixels of what the model sees, a multiple of 32: larger finds farther objects, more slowly. "
+        "[default: 1280]",
+        show_default=False,
+    ),
+]
+AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object on standard output.")]

@@ -1,0 +1,74 @@
+"""What the commands say on the terminal: all of it on standard error, so that standard output holds only results."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from contextlib import contextmanager
+from types import TracebackType
+
+import typer
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TaskID, TextColumn, TimeElapsedColumn
+
+from labeler.errors import HindsightError
+
+INTERRUPTED = 130
+STAGES = {
+    "detect": "Detecting in each image",
+    "lidar": "Fitting 3D boxes to LiDAR points",
+    "track": "Tracking in each camera",
+    "identity": "Finding tracks of one object",
+    "donors": "Choosing the best observations",
+    "labels": "Propagating their labels",
+}
+
+
+def say(text: str) -> None:
+    """A line for the person at the terminal."""
+    Console(stderr=True, highlight=False, soft_wrap=True).print(text, markup=False)
+
+
+@contextmanager
+def clear_errors() -> Generator[None]:
+    """Turn what a user can act on into one line and an exit status: 1 for an error, 130 for Ctrl-C."""
+    try:
+        yield
+    except HindsightError as error:
+        say(f"Error: {error}")
+        raise typer.Exit(1) from error
+    except KeyboardInterrupt as error:
+        say("Stopped. What was done is kept: run the same command again to go on from there.")
+        raise typer.Exit(INTERRUPTED) from error
+
+
+class TerminalProgress:
+    """A bar for each stage of a run that has work to do."""
+
+    def __init__(self) -> None:
+        self._bars = Progress(
+            SpinnerColumn(finished_text="[green]✓"),
+            TextColumn("{task.description}"),
+            BarColumn(),
+            MofNCompleteColumn(),
+            TimeElapsedColumn(),
+            console=Console(stderr=True),
+        )
+        self._current: TaskID | None = None
+
+    def stage(self, name: str, units: int) -> None:
+        self._current = None
+        if units:
+            self._current = self._bars.add_task(STAGES.get(name, name), total=units)
+
+    def advance(self, units: int = 1) -> None:
+        if self._current is not None:
+            self._bars.advance(self._current, units)
+
+    def __enter__(self) -> TerminalProgress:
+        self._bars.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._bars.stop()

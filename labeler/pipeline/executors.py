@@ -1,0 +1,142 @@
+"""Who does the units of work of a stage.
+
+An executor gives the results in the order of the units, and holds only a few of them at a time. ``serial`` does one
+after the other in this process. ``processes`` hands them to worker processes. Stages whose work happens in native code
+that lets other Python threads run (detection) use ``workers`` threads in this process instead of worker processes.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from types import TracebackType
+from typing import Protocol, TypeVar
+
+from labeler.errors import HindsightError
+
+Unit = TypeVar("Unit")
+Result = TypeVar("Result")
+
+_PRELOAD = ["labeler.pipeline.units"]
+
+
+class WorkerError(HindsightError):
+    """A worker process died: killed from outside, or for lack of memory."""
+
+
+class Executor(Protocol):
+    """Runs units of work; a context manager that lets go of its workers at the end."""
+
+    @property
+    def workers(self) -> int:
+        """How many units may run at the same time."""
+        ...
+
+    def run(self, work: Callable[[Unit], Result], units: Iterable[Unit], *, count: int) -> Iterator[Result]:
+        """The results of ``work`` on each of ``count`` units, in their order. ``work`` and the units are picklable."""
+        ...
+
+    def __enter__(self) -> Executor: ...
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None: ...
+
+
+class SerialExecutor:
+    """One unit after the other, in this process."""
+
+    @property
+    def workers(self) -> int:
+        return 1
+
+    def run(self, work: Callable[[Unit], Result], units: Iterable[Unit], *, count: int) -> Iterator[Result]:
+        return map(work, units)
+
+    def __enter__(self) -> SerialExecutor:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        return None
+
+
+class ProcessesExecutor:
+    """Units in worker processes, which start when there is first more than one unit to do.
+
+    Workers come from a fork server where the system has one: a fork of this process would copy its threads' locks.
+    """
+
+    def __init__(self, workers: int | None = None) -> None:
+        self._workers = workers or usable_cores()
+        self._pool: ProcessPoolExecutor | None = None
+
+    @property
+    def workers(self) -> int:
+        return self._workers
+
+    def run(self, work: Callable[[Unit], Result], units: Iterable[Unit], *, count: int) -> Iterator[Result]:
+        if count <= 1 or self._workers == 1:
+            return map(work, units)
+        return self._run_in_pool(work, units)
+
+    def _run_in_pool(self, work: Callable[[Unit], Result], units: Iterable[Unit]) -> Iterator[Result]:
+        pool = self._start()
+        running: deque[Future[Result]] = deque()
+        try:
+            for unit in units:
+                running.append(pool.submit(work, unit))
+                if len(running) > 2 * self._workers:
+                    yield running.popleft().result()
+            while running:
+                yield running.popleft().result()
+        except BrokenProcessPool as error:
+            raise WorkerError(
+                "A worker process died, perhaps for lack of memory. Run the same command again to resume, "
+                "with --workers 1 if it happens again."
+            ) from error
+
+    def _start(self) -> ProcessPoolExecutor:
+        if self._pool is None:
+            methods = multiprocessing.get_all_start_methods()
+            context = multiprocessing.get_context("forkserver" if "forkserver" in methods else "spawn")
+            if "forkserver" in methods:
+                context.set_forkserver_preload(_PRELOAD)
+            self._pool = ProcessPoolExecutor(self._workers, mp_context=context, initializer=_leave_interrupts_to_parent)
+        return self._pool
+
+    def __enter__(self) -> ProcessesExecutor:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._pool is not None:
+            self._pool.shutdown(wait=True, cancel_futures=True)
+            self._pool = None
+
+
+def open_executor(name: str, *, workers: int | None = None) -> Executor:
+    """The executor of that name: ``serial`` or ``processes``. HindsightError for any other."""
+    if name == "serial":
+        return SerialExecutor()
+    if name == "processes":
+        return ProcessesExecutor(workers)
+    raise HindsightError(f"There is no executor {name!r}. Choose serial or processes.")
+
+
+def usable_cores() -> int:
+    """How many cores this process may use: its affinity where the system tells, else all of them."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def _leave_interrupts_to_parent() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)

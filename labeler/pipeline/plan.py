@@ -1,0 +1,174 @@
+"""Which units of work a run has, and the key of each: a hash of all that its result depends on.
+
+Keys name content, not places: of images and sweeps by the bytes of the files, of the results of earlier stages by the
+names of their artifacts, which are keys themselves. So a drive that was moved is not labelled again, and one whose
+calibration was mended is.
+"""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from hashlib import blake2b
+from itertools import groupby
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from labeler.detection import DetectionConfig, Detector, suppression_group_of
+from labeler.drive import Camera, Drive, ImageFile, Poses, SweepFile
+from labeler.geometry.se3 import invert_se3
+from labeler.identity import IdentityConfig
+from labeler.lidar import LidarConfig
+from labeler.pipeline.artifacts import Artifacts, key_of
+from labeler.pipeline.detecting import DetectUnit
+from labeler.pipeline.units import DonorUnit, IdentityUnit, LabelUnit, LidarFrame, LidarUnit, TrackUnit
+from labeler.propagation import PropagationConfig
+from labeler.tracking import TrackingConfig
+
+CLIP_FRAMES = 16
+TRACK_IDS_PER_CAMERA = 1_000_000
+
+
+@dataclass(frozen=True)
+class Classes:
+    """The detector's classes by id, and the group of each within which a detector may waver."""
+
+    names: tuple[str, ...]
+    groups: tuple[int, ...]
+
+    @staticmethod
+    def of(detector: Detector) -> Classes:
+        groups: list[int] = suppression_group_of(detector.class_names).tolist()
+        return Classes(detector.class_names, tuple(groups))
+
+
+@dataclass(frozen=True)
+class Clips:
+    """The artifacts of detection: for each camera that has images, those of its clips by number, in order of time."""
+
+    of_camera: Mapping[str, Mapping[int, Path]]
+
+    @staticmethod
+    def of(units: Sequence[DetectUnit], paths: Sequence[Path]) -> Clips:
+        of_camera: dict[str, dict[int, Path]] = {}
+        for unit, path in zip(units, paths, strict=True):
+            of_camera.setdefault(unit.camera.name, {})[unit.clip] = path
+        return Clips(of_camera)
+
+    def by_camera(self) -> dict[str, list[Path]]:
+        """The artifacts of each camera in order of time."""
+        return {camera: list(clips.values()) for camera, clips in self.of_camera.items()}
+
+    def of_clip(self, clip: int) -> dict[str, Path]:
+        """The artifacts of one clip by camera."""
+        return {camera: clips[clip] for camera, clips in self.of_camera.items() if clip in clips}
+
+
+def detect_units(
+    drive: Drive, detector: Detector, config: DetectionConfig, *, artifacts: Artifacts, model: Path
+) -> list[DetectUnit]:
+    """A unit for each camera and clip of frames, camera by camera."""
+    model_hash = artifacts.content_hash([model])
+    planned: list[DetectUnit] = []
+    for camera in drive.cameras:
+        images = [(frame.index, frame.images[camera.name]) for frame in drive.frames if camera.name in frame.images]
+        for clip, group in groupby(images, key=lambda item: item[0] // CLIP_FRAMES):
+            of_clip = tuple(group)
+            key = key_of(
+                model_hash,
+                detector.class_names,
+                config,
+                (camera.width_px, camera.height_px),
+                [(index, file.timestamp_ns) for index, file in of_clip],
+                artifacts.content_hash(file.path for _, file in of_clip),
+            )
+            planned.append(DetectUnit(key, camera, clip, of_clip))
+    return planned
+
+
+def lidar_units(
+    drive: Drive, clips: Clips, classes: Classes, config: LidarConfig, *, artifacts: Artifacts
+) -> list[LidarUnit]:
+    """A unit for each clip that has sweeps; none when no camera is calibrated."""
+    cameras = tuple(camera for camera in drive.cameras if camera.calibration is not None)
+    rig = [(camera.name, *_calibration_key(camera)) for camera in cameras]
+    reader = blake2b(pickle.dumps(drive.read_sweep), digest_size=16).hexdigest()
+    planned: list[LidarUnit] = []
+    if not cameras:
+        return planned
+    with_sweep = (frame for frame in drive.frames if frame.sweep is not None)
+    for clip, group in groupby(with_sweep, key=lambda frame: frame.index // CLIP_FRAMES):
+        frames = tuple(
+            LidarFrame(frame.index, frame.sweep, _ego_motion(drive.poses, frame.sweep, frame.images))
+            for frame in group
+            if frame.sweep is not None
+        )
+        detections = clips.of_clip(clip)
+        key = key_of(
+            config,
+            classes.names,
+            rig,
+            reader,
+            {camera: path.name for camera, path in detections.items()},
+            [(frame.frame_index, _motion_key(frame)) for frame in frames],
+            artifacts.content_hash(frame.sweep.path for frame in frames),
+        )
+        planned.append(LidarUnit(key, frames, cameras, detections, drive.read_sweep, config, classes.names))
+    return planned
+
+
+def track_units(clips: Clips, classes: Classes, config: TrackingConfig) -> list[TrackUnit]:
+    """A unit for each camera; the n-th camera's tracks are numbered from n million and 1."""
+    planned: list[TrackUnit] = []
+    for number, (camera, paths) in enumerate(clips.by_camera().items(), start=1):
+        first_track_id = number * TRACK_IDS_PER_CAMERA + 1
+        key = key_of(config, classes.groups, camera, first_track_id, [path.name for path in paths])
+        planned.append(TrackUnit(key, tuple(paths), config, classes.groups, first_track_id))
+    return planned
+
+
+def identity_unit(
+    tracks: Mapping[str, Path], boxes_3d: Sequence[Path], classes: Classes, config: IdentityConfig
+) -> IdentityUnit:
+    """The one unit of the drive."""
+    key = key_of(config, classes.groups, _names(tracks), [path.name for path in boxes_3d])
+    return IdentityUnit(key, tracks, tuple(boxes_3d), config, classes.groups)
+
+
+def donor_unit(tracks: Mapping[str, Path], identities: Path, config: PropagationConfig) -> DonorUnit:
+    """The one unit of the drive."""
+    return DonorUnit(key_of(config, _names(tracks), identities.name), tracks, identities, config)
+
+
+def label_units(tracks: Mapping[str, Path], identities: Path, donors: Path) -> list[LabelUnit]:
+    """A unit for each camera."""
+    return [
+        LabelUnit(key_of(path.name, identities.name, donors.name), path, identities, donors) for path in tracks.values()
+    ]
+
+
+def _names(paths: Mapping[str, Path]) -> dict[str, str]:
+    return {camera: path.name for camera, path in paths.items()}
+
+
+def _calibration_key(camera: Camera) -> tuple[list[float], list[float]]:
+    if camera.calibration is None:
+        return [], []
+    return camera.calibration.intrinsics.ravel().tolist(), camera.calibration.ego_SE3_camera.ravel().tolist()
+
+
+def _motion_key(frame: LidarFrame) -> dict[str, list[float]]:
+    return {camera: matrix.ravel().tolist() for camera, matrix in frame.camera_ego_SE3_sweep_ego.items()}
+
+
+def _ego_motion(
+    poses: Poses | None, sweep: SweepFile, images: Mapping[str, ImageFile]
+) -> dict[str, NDArray[np.float64]]:
+    """For each camera the transform of the car's frame at the sweep's time to that at the image's; identity unposed."""
+    if poses is None:
+        return {camera: np.eye(4) for camera in images}
+    city_SE3_sweep_ego = poses.at(sweep.timestamp_ns)
+    return {camera: invert_se3(poses.at(file.timestamp_ns)) @ city_SE3_sweep_ego for camera, file in images.items()}

@@ -1,0 +1,188 @@
+"""The whole run: a drive and a model in, labels out.
+
+The units of every stage are planned from what the stages before gave, each with a key of all that it depends on; then
+those that are not done yet are done. See :mod:`labeler.pipeline.plan` for the keys.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Generator, Iterable, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+
+from labeler.detection import open_detector
+from labeler.drive import Drive
+from labeler.identity import MergeState
+from labeler.pipeline import plan
+from labeler.pipeline.artifacts import Artifacts, key_of
+from labeler.pipeline.detecting import detect
+from labeler.pipeline.executors import Executor, open_executor
+from labeler.pipeline.memory import PeakMemory
+from labeler.pipeline.reading import read_labelled_frames
+from labeler.pipeline.settings import LabelSettings
+from labeler.pipeline.stages import AnyUnit, Stage, run_stage
+from labeler.pipeline.tables import read_batches, read_note
+from labeler.pipeline.types import (
+    CameraSummary,
+    LabelledDrive,
+    MergeSummary,
+    Progress,
+    SilentProgress,
+    Summary,
+    TrackSummary,
+)
+from labeler.pipeline.units import DONORS, IDENTITY, LABELS, LIDAR, TRACK, Identities, read_donors, read_identities
+
+
+def label_drive(
+    drive: Drive,
+    *,
+    model: Path,
+    workspace: Path,
+    settings: LabelSettings | None = None,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
+) -> LabelledDrive:
+    """Label ``drive`` with the YOLOX model in the file ``model``, keeping artifacts in the folder ``workspace``.
+
+    What an earlier run in the same workspace made of the same data, model and settings is taken from there, so a run
+    that was stopped resumes. ``executor`` defaults to worker processes on all cores; one that is passed in stays open.
+    Raises DetectionError for a model that can't be used, WorkspaceError for a folder that can't be written to, and
+    Cancelled when ``progress`` says so. A file of the drive that can't be read is skipped and named in the summary's
+    warnings.
+    """
+    if executor is None:
+        with open_executor("processes") as own:
+            return label_drive(
+                drive, model=model, workspace=workspace, settings=settings, executor=own, progress=progress
+            )
+    run = _Run(Artifacts(workspace), executor, progress or SilentProgress())
+    with PeakMemory() as memory:
+        results = _run_stages(run, drive, model, settings or LabelSettings())
+        return _summarise(run, drive, results, memory)
+
+
+@dataclass(frozen=True)
+class _Run:
+    """What every stage of one run shares; ``seconds`` fills up as the stages go."""
+
+    artifacts: Artifacts
+    executor: Executor
+    progress: Progress
+    seconds: dict[str, float] = field(default_factory=dict[str, float])
+
+    def stage(self, stage: Stage[AnyUnit], units: Sequence[AnyUnit]) -> list[Path]:
+        with self.timed(stage.name):
+            return run_stage(stage, units, artifacts=self.artifacts, executor=self.executor, progress=self.progress)
+
+    @contextmanager
+    def timed(self, name: str) -> Generator[None]:
+        start = time.perf_counter()
+        try:
+            yield
+        finally:
+            self.seconds[name] = round(self.seconds.get(name, 0.0) + time.perf_counter() - start, 4)
+
+
+@dataclass(frozen=True)
+class _Results:
+    """The artifacts of a run."""
+
+    class_names: tuple[str, ...]
+    detector_seconds: float
+    detections: dict[str, list[Path]]
+    tracks: dict[str, Path]
+    boxes_3d: list[Path]
+    identities: Path
+    donors: Path
+    labels: dict[str, Path]
+
+
+def _run_stages(run: _Run, drive: Drive, model: Path, settings: LabelSettings) -> _Results:
+    """The phases of a run, in order."""
+    artifacts = run.artifacts
+    with run.timed("detect"):
+        detector = open_detector(model, settings.detection)
+        detect_units = plan.detect_units(drive, detector, settings.detection, artifacts=artifacts, model=model)
+        detected = detect(
+            detect_units, detector, artifacts=artifacts, threads=run.executor.workers, progress=run.progress
+        )
+    classes = plan.Classes.of(detector)
+    clips = plan.Clips.of(detect_units, detected.paths)
+
+    with run.timed("lidar"):
+        lidar_units = plan.lidar_units(drive, clips, classes, settings.lidar, artifacts=artifacts)
+    boxes_3d = run.stage(LIDAR, lidar_units)
+
+    track_units = plan.track_units(clips, classes, settings.tracking)
+    tracks = dict(zip(clips.of_camera, run.stage(TRACK, track_units), strict=True))
+
+    identities = run.stage(IDENTITY, [plan.identity_unit(tracks, boxes_3d, classes, settings.identity)])[0]
+    donors = run.stage(DONORS, [plan.donor_unit(tracks, identities, settings.propagation)])[0]
+    labels = dict(zip(tracks, run.stage(LABELS, plan.label_units(tracks, identities, donors)), strict=True))
+    return _Results(
+        classes.names, detected.detector_seconds, clips.by_camera(), tracks, boxes_3d, identities, donors, labels
+    )
+
+
+def _summarise(run: _Run, drive: Drive, results: _Results, memory: PeakMemory) -> LabelledDrive:
+    identities = read_identities(results.identities)
+    donors, tracks = read_donors(results.donors)
+    propagated = sum(int(batch["propagated"].sum()) for path in results.labels.values() for batch in read_batches(path))
+    summary = Summary(
+        drive=drive.name,
+        format=drive.format,
+        frames=len(drive.frames),
+        cameras={camera: _camera_summary(paths, camera, tracks) for camera, paths in results.detections.items()},
+        identities=len(set(identities.identity_of.values())),
+        merges=_merge_summary(identities),
+        labels_propagated=propagated,
+        seconds=run.seconds,
+        detector_seconds=round(results.detector_seconds, 4),
+        peak_memory_mb=round(memory.peak_mb, 1),
+        warnings=_warnings(drive, results),
+    )
+    return LabelledDrive(
+        key=key_of([path.name for path in (results.identities, *results.labels.values(), *results.boxes_3d)]),
+        class_names=results.class_names,
+        tracks=tracks,
+        merges=identities.proposals,
+        identity_of=identities.identity_of,
+        donors=donors,
+        summary=summary,
+        open_frames=partial(read_labelled_frames, results.tracks, results.labels, results.boxes_3d),
+    )
+
+
+def _camera_summary(paths: Iterable[Path], camera: str, tracks: Iterable[TrackSummary]) -> CameraSummary:
+    notes = [read_note(path) for path in paths]
+    return CameraSummary(
+        frames=sum(len(note["frames"]) for note in notes),
+        detections=sum(note["detections"] for note in notes),
+        tracks=sum(track.camera == camera for track in tracks),
+    )
+
+
+def _merge_summary(identities: Identities) -> MergeSummary:
+    states = Counter(proposal.state for proposal in identities.proposals)
+    return MergeSummary(
+        accepted=states[MergeState.ACCEPTED],
+        proposed=states[MergeState.PROPOSED],
+        rejected=states[MergeState.REJECTED],
+    )
+
+
+def _warnings(drive: Drive, results: _Results) -> list[str]:
+    warnings = list(drive.warnings)
+    for paths in (*results.detections.values(), results.boxes_3d):
+        for path in paths:
+            warnings.extend(read_note(path)["warnings"])
+    if len(results.tracks) > 1 and not results.boxes_3d:
+        warnings.append(
+            "This drive has no LiDAR with calibrated cameras, so tracks of different cameras can't be merged."
+        )
+    return warnings

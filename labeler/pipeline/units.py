@@ -1,0 +1,235 @@
+"""The units of work that may run in a worker process: a camera's tracks, a clip's 3D boxes, and what follows."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import asdict, dataclass, replace
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from labeler.detection import Detections
+from labeler.drive import Camera, DriveFileError, SweepFile, SweepReader
+from labeler.identity import (
+    IdentityConfig,
+    MergeProposal,
+    MergeState,
+    SharedFrame,
+    propose_merges,
+)
+from labeler.lidar import Boxes3D, LidarConfig, boxes_from_sweep
+from labeler.pipeline.artifacts import write_json
+from labeler.pipeline.detecting import read_detections
+from labeler.pipeline.reading import read_observations, read_views
+from labeler.pipeline.stages import Stage
+from labeler.pipeline.tables import columns_of, concatenate, read_batches, rows_of, write_table
+from labeler.pipeline.types import TrackSummary
+from labeler.propagation import Donor, PropagationConfig, find_donors, label_observations
+from labeler.tracking import Observations, TrackingConfig, open_tracker
+
+_FRAMES_PER_BATCH = 64
+
+
+@dataclass(frozen=True)
+class TrackUnit:
+    """Tracking inside one camera, over the whole drive."""
+
+    key: str
+    detections: tuple[Path, ...]
+    config: TrackingConfig
+    class_groups: tuple[int, ...]
+    first_track_id: int
+
+
+@dataclass(frozen=True)
+class LidarFrame:
+    """One sweep, and for each camera the motion of the car between the sweep's time and the image's."""
+
+    frame_index: int
+    sweep: SweepFile
+    camera_ego_SE3_sweep_ego: Mapping[str, NDArray[np.float64]]
+
+
+@dataclass(frozen=True)
+class LidarUnit:
+    """3D boxes of a clip of sweeps, for every calibrated camera; ``detections`` is that clip's artifact by camera."""
+
+    key: str
+    frames: tuple[LidarFrame, ...]
+    cameras: tuple[Camera, ...]
+    detections: Mapping[str, Path]
+    read_sweep: SweepReader
+    config: LidarConfig
+    class_names: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class IdentityUnit:
+    """Merges over the whole drive; ``tracks`` is each camera's artifact, ``boxes_3d`` are the clips' in order."""
+
+    key: str
+    tracks: Mapping[str, Path]
+    boxes_3d: tuple[Path, ...]
+    config: IdentityConfig
+    class_groups: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Identities:
+    """What an identity artifact holds."""
+
+    proposals: tuple[MergeProposal, ...]
+    identity_of: dict[int, int]
+
+
+def track(unit: TrackUnit, path: Path) -> None:
+    """Write the observations of one camera's tracks, in order of frames."""
+    tracker = open_tracker(unit.config, class_groups=unit.class_groups)
+    observations = tracker.track(read_detections(unit.detections), first_track_id=unit.first_track_id)
+    write_table(path, _batched(observations))
+
+
+def fit_lidar_boxes(unit: LidarUnit, path: Path) -> None:
+    """Write the 3D boxes of a clip. A sweep that can't be read is skipped and noted."""
+    detections = {
+        name: {frame.frame_index: frame.detections for frame in read_detections([file])}
+        for name, file in unit.detections.items()
+    }
+    parts = [_box_columns(Boxes3D.empty(), 0, 0)]
+    warnings: list[str] = []
+    for frame in unit.frames:
+        try:
+            sweep = unit.read_sweep(frame.sweep)
+        except DriveFileError as error:
+            warnings.append(str(error))
+            continue
+        for number, camera in enumerate(unit.cameras):
+            found = detections.get(camera.name, {}).get(frame.frame_index, Detections.empty())
+            if len(found):
+                boxes = boxes_from_sweep(
+                    sweep,
+                    found,
+                    camera,
+                    unit.config,
+                    class_names=unit.class_names,
+                    camera_ego_SE3_sweep_ego=frame.camera_ego_SE3_sweep_ego[camera.name],
+                )
+                parts.append(_box_columns(boxes, frame.frame_index, number))
+    cameras = [camera.name for camera in unit.cameras]
+    write_table(path, [concatenate(parts)], note={"cameras": cameras, "warnings": warnings})
+
+
+def find_identities(unit: IdentityUnit, path: Path) -> None:
+    """Write the merge proposals and the identity of every track."""
+    frames = read_views(unit.tracks, unit.boxes_3d)
+    result = propose_merges(frames, unit.config, class_groups=unit.class_groups)
+    identity_of = {str(track_id): identity for track_id, identity in result.identity_of.items()}
+    write_json(path, {"proposals": [asdict(proposal) for proposal in result.proposals], "identity_of": identity_of})
+
+
+@dataclass(frozen=True)
+class DonorUnit:
+    """The best observation of every identity, over the whole drive."""
+
+    key: str
+    tracks: Mapping[str, Path]
+    identities: Path
+    config: PropagationConfig
+
+
+@dataclass(frozen=True)
+class LabelUnit:
+    """The labels of one camera's observations."""
+
+    key: str
+    tracks: Path
+    identities: Path
+    donors: Path
+
+
+def choose_donors(unit: DonorUnit, path: Path) -> None:
+    """Write the donor of every identity, and a summary of every track."""
+    identity_of = read_identities(unit.identities).identity_of
+    batches = (
+        (camera, rows_of(Observations, columns))
+        for camera, file in unit.tracks.items()
+        for columns in read_batches(file)
+    )
+    donors = find_donors(batches, identity_of, config=unit.config)
+    tracks = [summary for camera, file in unit.tracks.items() for summary in summarise_tracks(camera, file)]
+    of_identity = {str(identity): asdict(donor) for identity, donor in donors.items()}
+    write_json(path, {"donors": of_identity, "tracks": [asdict(summary) for summary in tracks]})
+
+
+def label_camera(unit: LabelUnit, path: Path) -> None:
+    """Write a label for every observation of one camera, row by row."""
+    identity_of = read_identities(unit.identities).identity_of
+    donors, _ = read_donors(unit.donors)
+    batches = (rows_of(Observations, columns) for columns in read_batches(unit.tracks))
+    write_table(path, (columns_of(label_observations(batch, identity_of, donors)) for batch in batches))
+
+
+TRACK = Stage("track", 1, "arrow", track)
+LIDAR = Stage("lidar", 1, "arrow", fit_lidar_boxes)
+IDENTITY = Stage("identity", 1, "json", find_identities)
+DONORS = Stage("donors", 1, "json", choose_donors)
+LABELS = Stage("labels", 1, "arrow", label_camera)
+
+
+def read_identities(path: Path) -> Identities:
+    """What :func:`find_identities` wrote."""
+    stored = json.loads(path.read_text())
+    proposals = tuple(
+        MergeProposal(
+            **{
+                **proposal,
+                "state": MergeState(proposal["state"]),
+                "best_frames": tuple(SharedFrame(**frame) for frame in proposal["best_frames"]),
+            }
+        )
+        for proposal in stored["proposals"]
+    )
+    return Identities(proposals, {int(track): identity for track, identity in stored["identity_of"].items()})
+
+
+def read_donors(path: Path) -> tuple[dict[int, Donor], tuple[TrackSummary, ...]]:
+    """What :func:`choose_donors` wrote: the donor of each identity, and the tracks."""
+    stored = json.loads(path.read_text())
+    donors = {int(identity): Donor(**donor) for identity, donor in stored["donors"].items()}
+    return donors, tuple(TrackSummary(**summary) for summary in stored["tracks"])
+
+
+def summarise_tracks(camera: str, path: Path) -> list[TrackSummary]:
+    """A summary of every track of one camera, by track id."""
+    summaries: dict[int, TrackSummary] = {}
+    for frame_index, rows in read_observations(path):
+        for row, track_id in enumerate(rows.track_id.tolist()):
+            seen = summaries.get(track_id)
+            score, class_id = float(rows.score[row]), int(rows.class_id[row])
+            if seen is None:
+                summaries[track_id] = TrackSummary(
+                    track_id, camera, frame_index, frame_index, 1, score, frame_index, class_id
+                )
+                continue
+            seen = replace(seen, last_frame=frame_index, observation_count=seen.observation_count + 1)
+            if not score <= seen.best_score:
+                seen = replace(seen, best_score=score, best_frame=frame_index, class_id=class_id)
+            summaries[track_id] = seen
+    return [summaries[track_id] for track_id in sorted(summaries)]
+
+
+def _batched(observations: Iterable[Observations]) -> Iterator[dict[str, NDArray[Any]]]:
+    """Columns of several frames at a time; at least one batch."""
+    yield columns_of(Observations.empty())
+    frames = iter(observations)
+    while some := list(islice(frames, _FRAMES_PER_BATCH)):
+        yield concatenate([columns_of(frame) for frame in some])
+
+
+def _box_columns(boxes: Boxes3D, frame_index: int, camera: int) -> dict[str, NDArray[Any]]:
+    count = len(boxes)
+    return columns_of(boxes, frame_index=np.full(count, frame_index, np.int32), camera=np.full(count, camera, np.int16))
