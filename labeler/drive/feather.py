@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
-from pyarrow import feather as pyarrow_feather
 
 from labeler.drive.errors import DriveFileError
-
-_read_table = cast("Callable[[Path], pa.Table]", vars(pyarrow_feather)["read_table"])
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +55,8 @@ class FeatherTable:
 def read_feather(path: Path, columns: Sequence[str]) -> FeatherTable:
     """Reads a whole file that must have the given ``columns``. DriveFileError when it can't be read or lacks one."""
     try:
-        table = _read_table(path)
+        with pa.OSFile(str(path), "r") as stream, pa.ipc.open_file(stream) as reader:
+            table = reader.read_all()
     except (OSError, pa.ArrowException) as error:
         raise DriveFileError(f"{path} can't be read as a feather file: {error}. It is truncated or damaged.") from error
     missing = [column for column in columns if column not in table.column_names]

@@ -72,6 +72,13 @@ def _is_table_folder(folder: Path) -> bool:
 
 
 def _open(path: Path, scene: str | None) -> Drive:
+    try:
+        return _open_scene(path, scene)
+    except KeyError as error:
+        raise DriveError(f"The tables in {path} are not nuScenes': a row lacks the field {error}.") from error
+
+
+def _open_scene(path: Path, scene: str | None) -> Drive:
     chosen = _chosen(path, scene)
     warnings: list[str] = []
     samples = rows_where(chosen.tables / "sample.json", "scene_token", {chosen.token})

@@ -21,4 +21,5 @@ def iou_matrix(a: NDArray[np.floating], b: NDArray[np.floating]) -> NDArray[np.f
     """(A, B) intersection over union of (A, 4) and (B, 4) boxes; 0 where both boxes are empty."""
     intersection = intersection_matrix(a, b)
     union = area(a)[:, None] + area(b)[None, :] - intersection
-    return np.divide(intersection, union, out=np.zeros_like(intersection), where=union > 0)
+    zeros = np.zeros(union.shape, dtype=np.result_type(union, np.float32))  # whole numbers divide to fractions too
+    return np.divide(intersection, union, out=zeros, where=union > 0)

@@ -25,9 +25,12 @@ def bev_intersection(
     center_a_m: NDArray[np.floating], size_a_m: NDArray[np.floating], yaw_a_rad: float,
     center_b_m: NDArray[np.floating], size_b_m: NDArray[np.floating], yaw_b_rad: float,
 ) -> float:  # fmt: skip
-    """Area in square metres that two boxes share when seen from above. Centres and sizes are (3,)."""
+    """Area in square metres that two boxes share when seen from above. Centres and sizes are (3,).
+
+    OpenCV counts in float32, which has steps of 3 cm at city coordinates of 400 km; so a's centre becomes the origin."""
+    offset_m = np.asarray(center_b_m, dtype=np.float64) - np.asarray(center_a_m, dtype=np.float64)
     kind, points = cv2.rotatedRectangleIntersection(
-        _rectangle(center_a_m, size_a_m, yaw_a_rad), _rectangle(center_b_m, size_b_m, yaw_b_rad)
+        _rectangle(np.zeros(2), size_a_m, yaw_a_rad), _rectangle(offset_m, size_b_m, yaw_b_rad)
     )
     if kind == cv2.INTERSECT_NONE:
         return 0.0

@@ -17,11 +17,9 @@ def se3_from_quaternion(qw: float, qx: float, qy: float, qz: float, translation_
     """(4, 4) matrix from a quaternion, scalar first, of any positive length. ValueError when it has length zero or is
     not finite.
     """
-    rotation = Rotation.from_quat([qx, qy, qz, qw])
-    matrix = se3(rotation.as_matrix(), translation_m)
-    if not np.isfinite(matrix).all():
+    if not (np.isfinite([qw, qx, qy, qz]).all() and np.isfinite(translation_m).all()):
         raise ValueError("the quaternion or the translation is not finite")
-    return matrix
+    return se3(Rotation.from_quat([qx, qy, qz, qw]).as_matrix(), translation_m)
 
 
 def invert_se3(a_SE3_b: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -47,9 +45,9 @@ def interpolate_se3(times_ns: NDArray[np.int64], poses: NDArray[np.float64], tim
     Outside of the times, the nearest pose. N must be at least 1."""
     right = int(np.searchsorted(times_ns, time_ns))
     if right == 0:
-        return poses[0]
+        return poses[0].copy()
     if right == len(times_ns):
-        return poses[-1]
+        return poses[-1].copy()
     before, after = int(times_ns[right - 1]), int(times_ns[right])
     share = (time_ns - before) / (after - before)
     rotation = Slerp([0.0, 1.0], Rotation.from_matrix(poses[right - 1 : right + 1, :3, :3]))(share)
