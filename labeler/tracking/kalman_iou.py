@@ -18,7 +18,7 @@ from labeler.detection.types import Detections
 from labeler.tracking.association import associate
 from labeler.tracking.config import TrackingConfig
 from labeler.tracking.errors import TrackingError
-from labeler.tracking.motion import BoxMotion
+from labeler.tracking.motion import BoxMotion, TimeStep
 from labeler.tracking.types import DetectedFrame, Observations
 
 _NS_PER_S = 1_000_000_000
@@ -58,10 +58,10 @@ class KalmanIouTracker:
         next_track_id = first_track_id
         previous: DetectedFrame | None = None
         for frame in frames:
-            dt_s = _seconds_since(previous, frame)
+            step = TimeStep.of(_seconds_since(previous, frame))
             live = self._without_ended(live, frame.timestamp_ns)
             for track in live:
-                track.motion.predict(dt_s)
+                track.motion.predict(step)
 
             usable = self._usable_rows(frame.detections)
             boxes = frame.detections.xyxy_px.astype(np.float64)

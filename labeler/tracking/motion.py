@@ -7,7 +7,9 @@ proportional to the size of the box, because a near object moves over more pixel
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from importlib import import_module
 from typing import cast
 
@@ -28,31 +30,42 @@ _MEASURES_BOX = np.eye(4, 8)
 _EYE_4 = np.eye(4)
 
 
+@dataclass(frozen=True, eq=False)
+class TimeStep:
+    """What the time between two images does to every box: the (8, 8) transition, and the noise per unit of density."""
+
+    transition: _Array
+    unit_noise: _Array
+
+    @staticmethod
+    def of(dt_s: float) -> TimeStep:
+        """The step of ``dt_s`` seconds; 0 leaves every box where it is."""
+        transition = np.array([[1.0, dt_s], [0.0, 1.0]], np.float64)
+        noise = np.array([[dt_s**3 / 3, dt_s**2 / 2], [dt_s**2 / 2, dt_s]], np.float64)
+        return TimeStep(_for_each_coordinate(transition), _for_each_coordinate(noise))
+
+
 class BoxMotion:
     """The filter of one box. Boxes are (4,) float64 ``x1, y1, x2, y2`` in pixels."""
 
     def __init__(self, xyxy_px: _Array, config: TrackingConfig) -> None:
-        self._config = config
+        self._measurement_std_sizes = config.measurement_std_sizes
+        ratio = np.array([1, 1, config.growth_ratio, config.growth_ratio], np.float64)
+        self._speed_density_sizes = np.tile(np.square(config.speed_change_std_sizes * ratio), 2)
         self._mean = np.concatenate([_center_and_sides(xyxy_px), np.zeros(4)])
-        self._speed_ratio = np.array([1, 1, config.growth_ratio, config.growth_ratio], np.float64)
         position_std = np.full(4, config.measurement_std_sizes)
-        speed_std = config.initial_speed_std_sizes * self._speed_ratio
-        self._covariance = np.diag(np.square(np.concatenate([position_std, speed_std]) * self._size_px))
+        stds = np.concatenate([position_std, config.initial_speed_std_sizes * ratio])
+        self._covariance = np.diag(np.square(stds * _size_px(self._mean)))
 
-    def predict(self, dt_s: float) -> None:
-        """Move the box on by ``dt_s`` seconds (0 leaves it where it is)."""
-        change = np.square(self._config.speed_change_std_sizes * self._size_px * self._speed_ratio)
-        self._mean, self._covariance = _predict(
-            self._mean,
-            self._covariance,
-            _blocks([[1.0, dt_s], [0.0, 1.0]], np.ones(4)),
-            _blocks([[dt_s**3 / 3, dt_s**2 / 2], [dt_s**2 / 2, dt_s]], change),
-        )
+    def predict(self, step: TimeStep) -> None:
+        """Move the box on to the next image."""
+        noise = step.unit_noise * (self._speed_density_sizes * _size_px(self._mean) ** 2)
+        self._mean, self._covariance = _predict(self._mean, self._covariance, step.transition, noise)
 
     def update(self, xyxy_px: _Array) -> None:
         """Correct the box by a detected one of the same moment."""
         measured = _center_and_sides(xyxy_px)
-        noise = _EYE_4 * np.square(self._config.measurement_std_sizes * _size_px(measured))
+        noise = _EYE_4 * (self._measurement_std_sizes * _size_px(measured)) ** 2
         self._mean, self._covariance = _update(self._mean, self._covariance, measured, noise, _MEASURES_BOX)
 
     @property
@@ -66,14 +79,10 @@ class BoxMotion:
         """(4,) speeds of centre x, centre y, width and height, in pixels a second."""
         return self._mean[4:].copy()
 
-    @property
-    def _size_px(self) -> float:
-        return _size_px(self._mean)
 
-
-def _blocks(position_and_speed: list[list[float]], scale: _Array) -> _Array:
-    """(8, 8): the (2, 2) over position and speed for each coordinate, times its scale (4,); coordinates don't mix."""
-    return np.kron(np.array(position_and_speed, np.float64), np.diag(scale)).astype(np.float64, copy=False)
+def _for_each_coordinate(position_and_speed: _Array) -> _Array:
+    """(8, 8): the (2, 2) over position and speed for each of the four coordinates, which don't mix."""
+    return np.kron(position_and_speed, _EYE_4).astype(np.float64, copy=False)
 
 
 def _center_and_sides(xyxy_px: _Array) -> _Array:
@@ -81,5 +90,5 @@ def _center_and_sides(xyxy_px: _Array) -> _Array:
 
 
 def _size_px(center_and_sides: _Array) -> float:
-    width, height = np.maximum(center_and_sides[2:4], _MIN_SIDE_PX)
-    return float(np.sqrt(width * height))
+    width, height = center_and_sides[2:4].tolist()
+    return math.sqrt(max(width, _MIN_SIDE_PX) * max(height, _MIN_SIDE_PX))

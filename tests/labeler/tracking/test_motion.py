@@ -6,14 +6,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from labeler.tracking import TrackingConfig
-from labeler.tracking.motion import BoxMotion
+from labeler.tracking.motion import BoxMotion, TimeStep
 
 BOX = np.array([0.0, 0.0, 40.0, 10.0])  # its size is 20: the root of 40 times 10
 
 
 def test_a_new_box_stays_where_it_is() -> None:
     motion = BoxMotion(BOX, TrackingConfig())
-    motion.predict(0.5)
+    motion.predict(TimeStep.of(0.5))
     np.testing.assert_allclose(motion.xyxy_px, BOX)
 
 
@@ -24,7 +24,7 @@ def test_update_by_hand() -> None:
     measurement variance 1, so the gain is 17 / 18 in position and 160 / 18 in speed.
     """
     motion = BoxMotion(BOX, TrackingConfig(speed_change_std_sizes=0.0, growth_ratio=0.0))
-    motion.predict(0.1)
+    motion.predict(TimeStep.of(0.1))
     motion.update(BOX + np.array([9.0, 0, 9.0, 0]))
     np.testing.assert_allclose(motion.xyxy_px, BOX + np.array([8.5, 0, 8.5, 0]))
     np.testing.assert_allclose(motion.velocity_px_s, [80, 0, 0, 0], atol=1e-9)
@@ -33,17 +33,17 @@ def test_update_by_hand() -> None:
 def test_learns_speed_and_coasts_on_it() -> None:
     motion = BoxMotion(BOX, TrackingConfig())
     for step in range(1, 31):
-        motion.predict(0.1)
+        motion.predict(TimeStep.of(0.1))
         motion.update(BOX + np.array([3.0, 0, 3.0, 0]) * step)
-    motion.predict(1.0)
+    motion.predict(TimeStep.of(1.0))
     np.testing.assert_allclose(motion.xyxy_px, BOX + np.array([120.0, 0, 120.0, 0]), atol=0.1)
 
 
 def test_a_shrinking_box_keeps_a_pixel() -> None:
     motion = BoxMotion(BOX, TrackingConfig(growth_ratio=1.0))
-    motion.predict(0.1)
+    motion.predict(TimeStep.of(0.1))
     motion.update(np.array([15.0, 4.0, 25.0, 6.0]))
-    motion.predict(10.0)
+    motion.predict(TimeStep.of(10.0))
     x1, y1, x2, y2 = motion.xyxy_px
     assert (x2 - x1, y2 - y1) == pytest.approx((1, 1))
 
@@ -56,10 +56,10 @@ def test_many_short_steps_are_one_long_step(steps: list[float], move_px: float) 
     config = TrackingConfig(growth_ratio=0.0)
     cut, whole = BoxMotion(BOX, config), BoxMotion(BOX, config)
     for step in steps:
-        cut.predict(step)
-    whole.predict(sum(steps))
+        cut.predict(TimeStep.of(step))
+    whole.predict(TimeStep.of(sum(steps)))
     for motion in (cut, whole):
         motion.update(BOX + move_px)
-        motion.predict(0.2)
+        motion.predict(TimeStep.of(0.2))
     np.testing.assert_allclose(cut.xyxy_px, whole.xyxy_px, atol=1e-6)
     np.testing.assert_allclose(cut.velocity_px_s, whole.velocity_px_s, atol=1e-6)
