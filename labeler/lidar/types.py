@@ -37,6 +37,17 @@ class Boxes3D:
     def __len__(self) -> int:
         return len(self.score)
 
+    def __getitem__(self, rows: NDArray[np.bool_] | NDArray[np.intp] | slice) -> Boxes3D:
+        return Boxes3D(
+            self.center_m[rows],
+            self.size_m[rows],
+            self.yaw_rad[rows],
+            self.score[rows],
+            self.class_id[rows],
+            self.num_points[rows],
+            self.detection_index[rows],
+        )
+
     @staticmethod
     def empty() -> Boxes3D:
         return Boxes3D(
