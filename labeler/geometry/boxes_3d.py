@@ -27,7 +27,7 @@ def bev_intersection(
 ) -> float:  # fmt: skip
     """Area in square metres that two boxes share when seen from above. Centres and sizes are (3,).
 
-    OpenCV counts in float32, which has steps of 3 cm at city coordinates of 400 km; so a's centre becomes the origin."""
+    OpenCV counts in float32, whose steps are 3 cm at city coordinates of 400 km. So a's centre becomes the origin."""
     offset_m = np.asarray(center_b_m, dtype=np.float64) - np.asarray(center_a_m, dtype=np.float64)
     kind, points = cv2.rotatedRectangleIntersection(
         _rectangle(np.zeros(2), size_a_m, yaw_a_rad), _rectangle(offset_m, size_b_m, yaw_b_rad)
