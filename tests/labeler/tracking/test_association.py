@@ -22,14 +22,14 @@ def boxes(*rows: tuple[float, float, float, float]) -> np.ndarray:
             0.1,
             {0: 0, 1: 1},
         ),
-        # a greedy choice would take the pair with IoU 9/11 and leave IoU 0: the total decides instead (7/13 + 8/12)
+        # greedy would pair 1-0 (IoU 9/11 = .82) and leave the rest; 0-0 and 1-1 (7/13 + 5/15 = .87) are more in total
         (
-            boxes((0, 0, 10, 10), (5, 0, 15, 10)),
-            boxes((3, 0, 13, 10), (-5, 0, 5, 10)),
+            boxes((0, 0, 10, 10), (4, 0, 14, 10)),
+            boxes((3, 0, 13, 10), (9, 0, 19, 10)),
             [0, 0],
             [0, 0],
             0.1,
-            {0: 1, 1: 0},
+            {0: 0, 1: 1},
         ),
         # the same box, but another group
         (boxes((0, 0, 10, 10)), boxes((0, 0, 10, 10)), [0], [1], 0.1, {}),

@@ -1,5 +1,7 @@
 """The settings refuse what makes no sense."""
 
+from typing import Any
+
 import pytest
 
 from labeler.tracking import TrackingConfig, TrackingError
@@ -16,6 +18,6 @@ from labeler.tracking import TrackingConfig, TrackingError
         ({"measurement_std_sizes": 0.0}, "measurement_std_sizes"),  # the filter could not be inverted
     ],
 )
-def test_refuses(settings: dict[str, float], said: str) -> None:
+def test_refuses(settings: dict[str, Any], said: str) -> None:
     with pytest.raises(TrackingError, match=said):
-        TrackingConfig(**settings)  # pyright: ignore[reportArgumentType]
+        TrackingConfig(**settings)
