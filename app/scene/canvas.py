@@ -12,20 +12,21 @@ import viser
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from app.scene.palette import Rgb, ScenePalette, identity_color, point_colors, scene_palette
+from app.scene.palette import Rgb, ScenePalette, as_linear, faded, identity_color, point_colors, scene_palette
 from app.scene.shapes import LINES_PER_BOX, PointCloud, box_corners, box_lines, unit_cube
 from app.scene.types import SceneBox, SceneView, Theme
 from labeler.drive.types import Camera
 
 _LINE_PX = 2.0
 _SELECTED_LINE_PX = 5.0
-_POINT_SIZE_M = 0.07
-_FRUSTUM_SCALE_M = 0.8
+_POINT_SIZE_M = 0.055
+_FRUSTUM_SCALE_M = 1.4
+_CAMERA_NAME_AHEAD_M = 3.0
 _EGO_SIZE_M = (4.6, 1.9, 1.5)  # a usual car: the drive does not say how large its own is
 _EGO_CENTER_AHEAD_M = 1.3  # the ego frame stands on the rear axle
-_CAMERA_POSITION_M = (-15.0, 0.0, 9.5)
+_CAMERA_POSITION_M = (-14.0, 0.0, 9.0)
 _CAMERA_LOOK_AT_M = (12.0, 0.0, -1.0)
-_CAMERA_FOV_RAD = 1.0
+_CAMERA_FOV_RAD = 0.9
 
 
 class SceneCanvas:
@@ -103,7 +104,7 @@ class SceneCanvas:
             cast_shadow=False,
             receive_shadow=False,
         )
-        ahead_m = calibration.ego_SE3_camera[:3, 2] * _FRUSTUM_SCALE_M
+        ahead_m = calibration.ego_SE3_camera[:3, 2] * _CAMERA_NAME_AHEAD_M
         self._server.scene.add_label(
             f"/camera_names/{camera.name}",
             camera.name,
@@ -126,22 +127,25 @@ class SceneCanvas:
     def _draw_boxes(self, boxes: Sequence[SceneBox], selected_id: int | None, palette: ScenePalette) -> None:
         selected = [box for box in boxes if selected_id is not None and box.identity_id == selected_id]
         others = [box for box in boxes if selected_id is None or box.identity_id != selected_id]
-        self._draw_group("/boxes", others, palette, line_px=_LINE_PX, opacity=0.12)
-        self._draw_group("/selected", selected, palette, line_px=_SELECTED_LINE_PX, opacity=0.4)
+        colors = [_color_of(box, palette) for box in others]
+        if selected:
+            colors = [faded(color, palette.background) for color in colors]
+        self._draw_group("/boxes", others, colors, line_px=_LINE_PX, opacity=0.12)
+        colors = [_color_of(box, palette) for box in selected]
+        self._draw_group("/selected", selected, colors, line_px=_SELECTED_LINE_PX, opacity=0.4)
         self._draw_selected_label(selected)
 
     def _draw_group(
-        self, name: str, boxes: Sequence[SceneBox], palette: ScenePalette, *, line_px: float, opacity: float
+        self, name: str, boxes: Sequence[SceneBox], colors: Sequence[Rgb], *, line_px: float, opacity: float
     ) -> None:
         if not boxes:
             self._server.scene.remove_by_name(name)
             return
-        colors = [_color_of(box, palette) for box in boxes]
         self._draw_lines(f"{name}/edges", boxes, colors, line_px)
         self._draw_faces(f"{name}/faces", boxes, colors, opacity=opacity)
 
     def _draw_lines(self, name: str, boxes: Sequence[SceneBox], colors: Sequence[Rgb], line_px: float) -> None:
-        ends = np.repeat(_as_array(colors), LINES_PER_BOX, axis=0)[:, None].repeat(2, axis=1)
+        ends = np.repeat(as_linear(_as_array(colors)), LINES_PER_BOX, axis=0)[:, None].repeat(2, axis=1)
         self._server.scene.add_line_segments(
             name, box_lines(box_corners(boxes)), ends, thickness=line_px, thickness_units="screen"
         )

@@ -24,13 +24,27 @@ def identity_color(identity_id: int) -> Rgb:
     return round(red * 255), round(green * 255), round(blue * 255)
 
 
+def faded(color: Rgb, background: Rgb) -> Rgb:
+    """A colour half gone into the background: what stands back while an object is selected."""
+    red, green, blue = ((front + back) // 2 for front, back in zip(color, background, strict=True))
+    return red, green, blue
+
+
+def as_linear(colors: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """sRGB colours 0..255 as linear light, which is how viser's lines take theirs (its points and meshes take sRGB)."""
+    share = colors.astype(np.float32) / 255
+    linear = np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)
+    return np.round(linear * 255).astype(np.uint8)
+
+
 @dataclass(frozen=True)
 class ScenePalette:
     """What the scene around the objects looks like in one theme. Quiet, so that the boxes stand out.
 
-    Points run from ``point_low`` on the ground to ``point_high`` a few metres up.
+    Points run from ``point_low`` on the ground to ``point_high`` a few metres up. ``background`` is viser's own.
     """
 
+    background: Rgb
     point_low: Rgb
     point_high: Rgb
     grid: Rgb
@@ -42,15 +56,17 @@ class ScenePalette:
 
 _PALETTES = {
     Theme.DARK: ScenePalette(
+        background=(20, 20, 20),
         point_low=(74, 88, 112),
         point_high=(214, 230, 245),
-        grid=(38, 42, 50),
-        grid_section=(52, 58, 68),
+        grid=(46, 52, 62),
+        grid_section=(66, 74, 88),
         ego=(235, 238, 242),
         camera=(140, 150, 165),
         unknown_box=(150, 155, 165),
     ),
     Theme.LIGHT: ScenePalette(
+        background=(255, 255, 255),
         point_low=(158, 170, 188),
         point_high=(34, 52, 84),
         grid=(234, 237, 241),
