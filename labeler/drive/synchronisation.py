@@ -88,7 +88,7 @@ def _fill(clock: _Times, times: _Times, period_ns: int) -> _Times:
     step_ns = np.maximum(1, np.where(inside, gap_ns // parts, period_ns))
     slot = (times - start + step_ns // 2) // step_ns
     silent = inside & (gap_ns > _LONGEST_REGULAR_GAP * period_ns) & (slot >= 1) & (slot < parts)
-    outside = ~inside & (np.abs(times - start) > _LONGEST_REGULAR_GAP / 2 * period_ns)
+    outside = ~inside & (2 * np.abs(times - start) > period_ns)
     rows = np.flatnonzero(silent | outside)
     distance_ns = np.abs(times - start - slot * step_ns)
     best = rows[np.lexsort((distance_ns[rows], slot[rows], right[rows]))]
