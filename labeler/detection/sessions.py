@@ -95,14 +95,18 @@ def preferred_providers(available: Sequence[str]) -> tuple[str, ...]:
     return (*(name for name in GPU_PROVIDERS if name in available), CPU_PROVIDER)
 
 
-def open_session(path: Path, *, providers: Sequence[str] | None, intra_op_threads: int) -> OpenSession:
+def open_session(
+    path: Path, *, providers: Sequence[str] | None, intra_op_threads: int, available: Sequence[str] | None = None
+) -> OpenSession:
     """Load an ONNX file.
 
-    With ``providers`` None each preferred provider is tried in turn, with a logged warning for one that fails to start.
-    Providers asked for by name must work. Raises DetectionError when they don't, or when the file is no ONNX model.
+    With ``providers`` None each preferred one of the ``available`` (None asks onnxruntime) is tried in turn, with a
+    logged warning for one that fails to start. Providers asked for by name must work. Raises DetectionError when they
+    don't, or when the file is no ONNX model.
     """
     _require_file(path)
-    available = _onnxruntime.get_available_providers()
+    if available is None:
+        available = _onnxruntime.get_available_providers()
     if providers is not None:
         missing = [name for name in providers if name not in available]
         if missing or not providers:
@@ -130,6 +134,8 @@ def _load(path: Path, providers: Sequence[str], intra_op_threads: int) -> OpenSe
         # Without enable_fallback=0 onnxruntime prints to standard output, which belongs to --json.
         session = _onnxruntime.InferenceSession(str(path), options, providers=list(providers), enable_fallback=0)
     except Exception as error:  # onnxruntime's errors share no other base class
+        if providers[0] != CPU_PROVIDER:
+            raise DetectionError(f"{path} could not be loaded with {providers[0]}: {error}") from error
         raise DetectionError(
             f"{path} can't be opened as an ONNX model: {error}. Is it the whole .onnx file, not a checkpoint (.pth) or "
             "a broken download?"
