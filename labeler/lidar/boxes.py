@@ -28,7 +28,7 @@ from labeler.lidar.types import Boxes3D
 _OUTLIERS = 0.02
 _LARGEST = 1.6
 _LOWEST_HEIGHT = 0.8
-_AWAY_BONUS = 0.1
+_AWAY_BONUS = 0.2
 _SIZE_PENALTY = 0.3
 _POINTS_HALF_SURE = 10.0
 _NEAREST_CORNER_M = 0.1

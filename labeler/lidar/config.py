@@ -32,7 +32,10 @@ class LidarConfig:
     ``min_detection_score``: weaker detections paint nothing. ``min_points``: fewer points give no box.
     ``margin``: how far around a box, as a share of its longer side, is looked for what reaches out of it.
     ``max_distance_m``: points farther from the ego origin in x or y are left out.
-    ``ground_*``: see :mod:`labeler.lidar.ground`. ``cluster_gap_m`` plus ``cluster_gap_per_m`` for each metre of
+    ``ground_cell_m``: side of the finest cells of the ground. ``ground_slope``: the steepest ground, as rise over run;
+    ``ground_bend``: how much it may rise over the coarser surface for each metre of a cell, and ``ground_tolerance_m``
+    beyond that. ``ground_clearance_m``: what is higher above the ground belongs to an object.
+    ``cluster_gap_m`` plus ``cluster_gap_per_m`` for each metre of
     distance is the gap that parts two objects seen from above. ``dominance``: a nearer cluster is taken when its paint
     is at least this share of the best cluster's.
     ``yaw_step_deg``, ``closeness_floor_m`` and ``max_fit_points`` govern the search for the yaw.
@@ -42,10 +45,11 @@ class LidarConfig:
     min_points: int = 4
     margin: float = 0.25
     max_distance_m: float = 120.0
-    ground_cell_m: float = 1.0
+    ground_cell_m: float = 2.0
     ground_slope: float = 0.2
-    ground_reach_m: float = 5.0
-    ground_clearance_m: float = 0.25
+    ground_bend: float = 0.05
+    ground_tolerance_m: float = 0.2
+    ground_clearance_m: float = 0.3
     cluster_gap_m: float = 0.4
     cluster_gap_per_m: float = 0.008
     dominance: float = 0.35
@@ -54,7 +58,7 @@ class LidarConfig:
     max_fit_points: int = 256
 
     def __post_init__(self) -> None:
-        positive = ("max_distance_m", "ground_cell_m", "ground_reach_m", "cluster_gap_m", "yaw_step_deg")
+        positive = ("max_distance_m", "ground_cell_m", "cluster_gap_m", "yaw_step_deg")
         for name in (*positive, "closeness_floor_m", "max_fit_points", "min_points"):
             if not getattr(self, name) > 0:
                 raise ValueError(f"LidarConfig.{name} must be greater than 0, got {getattr(self, name)}")

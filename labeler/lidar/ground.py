@@ -1,14 +1,17 @@
 """Where the ground is under each point of a sweep, for a rig of any height and on slopes.
 
-Seen from above, the sweep is cut into cells. The lowest point of each cell bounds the ground from above; so does the
-lowest point of a cell nearby, plus what a road can climb on the way. The lower envelope of all these bounds (a
-morphological erosion by a cone, as in Vosselman's slope-based filter of 2000) goes through the ground and passes under
-vehicles. Single points far below their surroundings (mirror images) are dropped first.
+Seen from above, the sweep is cut into cells, from coarse to fine. The lowest point of a coarse cell is nearly always
+ground, even in traffic. Each finer level starts from the surface of the coarser one and takes over its own lowest
+points, unless they stand higher above that surface than a road can rise within the cell: those are the undersides of
+things that hide the ground. At the end the surface moves up from the lowest points to the mean of the points close to
+it. So the ground under and behind a vehicle is carried on from where it is seen.
+
+The idea of going from coarse to fine under a threshold is that of the progressive filters for airborne LiDAR (Zhang et
+al., A progressive morphological filter for removing nonground measurements from airborne LiDAR data, TGRS 2003).
 """
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +20,7 @@ from scipy import ndimage
 
 from labeler.lidar.config import LidarConfig
 
+_LEVELS = 4
 _STRAY_DEPTH_M = 1.0
 
 
@@ -24,37 +28,45 @@ _STRAY_DEPTH_M = 1.0
 class Ground:
     """The height of the ground on a square grid around the ego origin.
 
-    ``height_m`` (cells, cells) float32, indexed by x then y, NaN where no point is in reach; ``cell_m`` the side of a
-    cell; the grid's middle is the ego origin."""
+    ``height_m`` (cells, cells) float32 at the middle of each cell, indexed by x then y; NaN everywhere when the sweep
+    has no points. ``cell_m`` is the side of a cell; the grid's middle is the ego origin."""
 
     height_m: NDArray[np.float32]
     cell_m: float
 
     def at(self, xy_m: NDArray[np.floating]) -> NDArray[np.float32]:
-        """(N,) float32 height in metres under (N, 2) places in the ego frame, bilinear; NaN where it is unknown."""
+        """(N,) float32 height in metres under (N, 2) places in the ego frame: bilinear, beyond the grid that of its
+        edge.
+        """
         cells = len(self.height_m)
         place = np.asarray(xy_m, np.float32) / np.float32(self.cell_m) + np.float32(cells / 2 - 0.5)
-        place = np.clip(place, 0, cells - 1.001)
+        place = np.clip(np.nan_to_num(place), 0, cells - 1.001)
         low = place.astype(np.intp)
-        share = place - low
-        total = np.zeros(len(place), np.float32)
-        weight_sum = np.zeros(len(place), np.float32)
-        for dx, dy in ((0, 0), (0, 1), (1, 0), (1, 1)):
-            value = self.height_m[low[:, 0] + dx, low[:, 1] + dy]
-            weight = np.abs(1 - dx - share[:, 0]) * np.abs(1 - dy - share[:, 1]) + np.float32(1e-6)
-            known = np.isfinite(value)
-            total += np.where(known, value, 0) * weight
-            weight_sum += np.where(known, weight, 0)
-        return np.divide(total, weight_sum, out=np.full(len(place), np.nan, np.float32), where=weight_sum > 0)
+        share_x, share_y = (place - low).T
+        flat = self.height_m.ravel()
+        corner = low[:, 0] * cells + low[:, 1]
+        near = flat[corner] * (1 - share_y) + flat[corner + 1] * share_y
+        far = flat[corner + cells] * (1 - share_y) + flat[corner + cells + 1] * share_y
+        return (near * (1 - share_x) + far * share_x).astype(np.float32, copy=False)
 
 
 def estimate_ground(xyz_m: NDArray[np.float32], config: LidarConfig) -> Ground:
     """The ground of a sweep of (N, 3) points in the ego frame; points that are not finite are ignored."""
-    half = int(np.ceil(config.max_distance_m / config.ground_cell_m))
-    lowest = _lowest_by_cell(xyz_m, half, config.ground_cell_m)
-    lowest = _without_mirror_images(lowest, config)
-    envelope = _eroded_by_cone(lowest, config)
-    return Ground(np.where(np.isfinite(envelope), envelope, np.nan).astype(np.float32), config.ground_cell_m)
+    coarsest = 2 ** (_LEVELS - 1)
+    half = int(np.ceil(config.max_distance_m / config.ground_cell_m / coarsest)) * coarsest
+    cell, inside = _cells_of(xyz_m, half, config.ground_cell_m)
+    if not inside.any():
+        return Ground(np.full((2 * half, 2 * half), np.nan, np.float32), config.ground_cell_m)
+    z_m = xyz_m[inside, 2]
+    levels = [_without_strays(_lowest_by_cell(cell, z_m, half), config)]
+    for _ in range(_LEVELS - 1):
+        levels.append(_pooled(levels[-1]))
+    surface = _coarsest_surface(levels[-1], config.ground_cell_m * coarsest, config)
+    for level in range(_LEVELS - 2, -1, -1):
+        surface = _refined(surface, levels[level], config.ground_cell_m * 2**level, config)
+    ground = Ground(surface, config.ground_cell_m)
+    residual_m = z_m - ground.at(xyz_m[inside, :2])
+    return Ground(surface + _mean_residual(cell, residual_m, half, config), config.ground_cell_m)
 
 
 def above_ground(xyz_m: NDArray[np.floating], ground: Ground, config: LidarConfig) -> NDArray[np.bool_]:
@@ -63,34 +75,76 @@ def above_ground(xyz_m: NDArray[np.floating], ground: Ground, config: LidarConfi
     return ~(clear_m <= config.ground_clearance_m)
 
 
-def _lowest_by_cell(xyz_m: NDArray[np.float32], half: int, cell_m: float) -> NDArray[np.float32]:
+def _cells_of(xyz_m: NDArray[np.float32], half: int, cell_m: float) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
+    """The flat index of the cell of each point inside of the grid, and which points these are."""
+    place = np.floor(xyz_m[:, :2] / np.float32(cell_m)) + half
+    inside = (place >= 0).all(axis=1) & (place < 2 * half).all(axis=1) & np.isfinite(xyz_m[:, 2])
+    index = place[inside].astype(np.intp)
+    return index[:, 0] * (2 * half) + index[:, 1], inside
+
+
+def _lowest_by_cell(cell: NDArray[np.intp], z_m: NDArray[np.float32], half: int) -> NDArray[np.float32]:
     """(2 half, 2 half) lowest z in each cell, inf in cells without points."""
-    cell = np.floor(xyz_m[:, :2] / np.float32(cell_m)) + half
-    inside = ((cell >= 0) & (cell < 2 * half)).all(axis=1) & np.isfinite(xyz_m[:, 2])
-    index = cell[inside].astype(np.intp)
     lowest = np.full(4 * half * half, np.inf, np.float32)
-    np.minimum.at(lowest, index[:, 0] * (2 * half) + index[:, 1], xyz_m[inside, 2])
+    np.minimum.at(lowest, cell, z_m)
     return lowest.reshape(2 * half, 2 * half)
 
 
-def _without_mirror_images(lowest: NDArray[np.float32], config: LidarConfig) -> NDArray[np.float32]:
-    """A cell far below everything around it holds a stray point: it takes the height of the next lowest cell."""
+def _without_strays(lowest: NDArray[np.float32], config: LidarConfig) -> NDArray[np.float32]:
+    """A cell far below everything around it holds a mirror image: it takes the height of the next lowest cell."""
     second = ndimage.rank_filter(lowest, rank=1, size=5, mode="nearest")
     may_fall_m = _STRAY_DEPTH_M + config.ground_slope * 2 * config.ground_cell_m
     stray = np.isfinite(second) & (lowest < second - may_fall_m)
     return np.where(stray, second, lowest)
 
 
-def _eroded_by_cone(lowest: NDArray[np.float32], config: LidarConfig) -> NDArray[np.float32]:
-    """For each cell the lowest bound by the cells in reach: their height, plus what a road can climb from there."""
-    radius = int(config.ground_reach_m / config.ground_cell_m)
-    cells = len(lowest)
-    padded = np.pad(lowest, radius, constant_values=np.inf)
-    envelope = lowest.copy()
-    for dx in range(-radius, radius + 1):
-        for dy in range(-radius, radius + 1):
-            distance_m = math.hypot(dx, dy) * config.ground_cell_m
-            if 0 < distance_m <= config.ground_reach_m:
-                nearby = padded[radius + dx : radius + dx + cells, radius + dy : radius + dy + cells]
-                np.minimum(envelope, nearby + np.float32(distance_m * config.ground_slope), out=envelope)
-    return envelope
+def _pooled(lowest: NDArray[np.float32]) -> NDArray[np.float32]:
+    """The lowest of each two by two cells."""
+    cells = len(lowest) // 2
+    return lowest.reshape(cells, 2, cells, 2).min(axis=(1, 3))
+
+
+def _coarsest_surface(lowest: NDArray[np.float32], cell_m: float, config: LidarConfig) -> NDArray[np.float32]:
+    """The lowest points, cut where they rise above all neighbours by more than a road can, without gaps."""
+    rise_m = np.float32(config.ground_slope * cell_m)
+    lowest = np.minimum(lowest, ndimage.minimum_filter(lowest, 3, mode="nearest") + rise_m)
+    nearest = ndimage.distance_transform_edt(~np.isfinite(lowest), return_distances=False, return_indices=True)
+    return lowest[tuple(nearest)]
+
+
+def _refined(
+    coarse: NDArray[np.float32], lowest: NDArray[np.float32], cell_m: float, config: LidarConfig
+) -> NDArray[np.float32]:
+    """The surface with twice as many cells a side.
+
+    On a slope the lowest point of a cell lies at its lower edge, so it is raised to the height of the middle."""
+    surface = _doubled(coarse)
+    rise_x, rise_y = np.gradient(surface)
+    to_middle = np.minimum((np.abs(rise_x) + np.abs(rise_y)) / 2, config.ground_slope * cell_m)
+    candidate = lowest + to_middle.astype(np.float32)
+    usable = candidate <= surface + np.float32(config.ground_tolerance_m + config.ground_bend * cell_m)
+    return np.where(usable, candidate, surface).astype(np.float32, copy=False)
+
+
+def _doubled(coarse: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Bilinear interpolation to twice as many cells a side."""
+    for axis in (0, 1):
+        before = np.take(coarse, np.maximum(np.arange(coarse.shape[axis]) - 1, 0), axis=axis)
+        after = np.take(coarse, np.minimum(np.arange(coarse.shape[axis]) + 1, coarse.shape[axis] - 1), axis=axis)
+        halves = np.stack([0.75 * coarse + 0.25 * before, 0.75 * coarse + 0.25 * after], axis=axis + 1)
+        shape = list(coarse.shape)
+        shape[axis] *= 2
+        coarse = halves.reshape(shape)
+    return coarse
+
+
+def _mean_residual(
+    cell: NDArray[np.intp], residual_m: NDArray[np.float32], half: int, config: LidarConfig
+) -> NDArray[np.float32]:
+    """(2 half, 2 half) mean height over the surface of the points close to it, in each cell's neighbourhood."""
+    close = np.abs(residual_m) <= config.ground_clearance_m + config.ground_tolerance_m
+    size = 4 * half * half
+    count = np.bincount(cell[close], minlength=size).astype(np.float32).reshape(2 * half, 2 * half)
+    total = np.bincount(cell[close], residual_m[close], size).astype(np.float32).reshape(2 * half, 2 * half)
+    count, total = ndimage.uniform_filter(count, 3), ndimage.uniform_filter(total, 3)
+    return np.divide(total, count, out=np.zeros_like(total), where=count > 1e-3)
