@@ -97,4 +97,5 @@ def report_truth(drive: Drive, labelled: LabelledDrive) -> None:
     """Where the drive comes with true boxes, say how many merges agree with them."""
     truth = drive.read_truth(drive.frames)
     if truth is not None and truth.boxes_2d is not None:
-        say(f"  {score_merges(truth.boxes_2d, labelled).sentence()}")
+        observations = {camera.name: labelled.observations(camera.name) for camera in drive.cameras}
+        say(f"  {score_merges(truth.boxes_2d, observations, labelled.identity_of).sentence()}")

@@ -1,5 +1,8 @@
 """The steps as stages, their settings, artifacts and executors."""
 
+from labeler.pipeline.executors import Executor, open_executor
+from labeler.pipeline.run import label_drive
+from labeler.pipeline.settings import LabelSettings
 from labeler.pipeline.types import (
     Cancelled,
     LabelledDrive,
@@ -13,6 +16,8 @@ from labeler.pipeline.types import (
 
 __all__ = [
     "Cancelled",
+    "Executor",
+    "LabelSettings",
     "LabelledDrive",
     "LabelledFrame",
     "LabelledView",
@@ -20,4 +25,6 @@ __all__ = [
     "SilentProgress",
     "Summary",
     "TrackSummary",
+    "label_drive",
+    "open_executor",
 ]

@@ -14,16 +14,18 @@ import time
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, TypedDict, cast
+from typing import TypedDict
 
 import cv2
 import numpy as np
-import onnxruntime
 
 from labeler.detection import YoloxDetector, open_detector
+from labeler.detection.sessions import open_session
 from labeler.drive import Drive, Frame, ImageFile
 from labeler.pipeline.run import label_drive
 from labeler.pipeline.settings import LabelSettings
+
+_ALL_CORES = 0
 
 
 class PipelineTimes(TypedDict):
@@ -94,15 +96,16 @@ def _shifted(frame: Frame, by_index: int, by_ns: int) -> Frame:
 
 def _run_bare(drive: Drive, model: Path, detector: YoloxDetector) -> float:
     """Seconds for decoding every image and running the model on it. The detector only tells the input shapes."""
-    session = cast(Any, onnxruntime.InferenceSession(str(model), providers=list(detector.providers)))
-    name = session.get_inputs()[0].name
+    session = open_session(model, providers=detector.providers, intra_op_threads=_ALL_CORES)
+    name = session.inputs[0].name
     start = time.perf_counter()
     for path in _image_paths(drive):
         image = cv2.imread(str(path))
         if image is None:
             continue
         for height, width in detector.input_shapes((image.shape[0], image.shape[1])):
-            session.run(None, {name: cv2.dnn.blobFromImage(image, size=(width, height)).astype(np.float32, copy=False)})
+            blob = cv2.dnn.blobFromImage(image, size=(width, height))
+            session.run({name: np.asarray(blob, np.float32)})
     return time.perf_counter() - start
 
 

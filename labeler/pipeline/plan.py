@@ -17,7 +17,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from labeler.detection import DetectionConfig, Detector, suppression_group_of
+from labeler.detection import DetectionConfig, Detector
+from labeler.detection.classes import suppression_group_of
 from labeler.drive import Camera, Drive, ImageFile, Poses, SweepFile
 from labeler.geometry.se3 import invert_se3
 from labeler.identity import IdentityConfig

@@ -16,7 +16,7 @@ from pathlib import Path
 
 from labeler.detection import open_detector
 from labeler.drive import Drive
-from labeler.identity import MergeState
+from labeler.identity import Merges, MergeState
 from labeler.pipeline import plan
 from labeler.pipeline.artifacts import Artifacts, key_of
 from labeler.pipeline.detecting import detect
@@ -35,7 +35,7 @@ from labeler.pipeline.types import (
     Summary,
     TrackSummary,
 )
-from labeler.pipeline.units import DONORS, IDENTITY, LABELS, LIDAR, TRACK, Identities, read_donors, read_identities
+from labeler.pipeline.units import DONORS, IDENTITY, LABELS, LIDAR, TRACK, read_donors, read_identities
 
 
 def label_drive(
@@ -131,13 +131,13 @@ def _run_stages(run: _Run, drive: Drive, model: Path, settings: LabelSettings) -
 
 def _summarise(run: _Run, drive: Drive, results: _Results, memory: PeakMemory) -> LabelledDrive:
     identities = read_identities(results.identities)
-    donors, tracks = read_donors(results.donors)
+    donors = read_donors(results.donors)
     propagated = sum(int(batch["propagated"].sum()) for path in results.labels.values() for batch in read_batches(path))
     summary = Summary(
         drive=drive.name,
         format=drive.format,
         frames=len(drive.frames),
-        cameras={camera: _camera_summary(paths, camera, tracks) for camera, paths in results.detections.items()},
+        cameras={camera: _camera_summary(paths, camera, donors.tracks) for camera, paths in results.detections.items()},
         identities=len(set(identities.identity_of.values())),
         merges=_merge_summary(identities),
         labels_propagated=propagated,
@@ -149,10 +149,10 @@ def _summarise(run: _Run, drive: Drive, results: _Results, memory: PeakMemory) -
     return LabelledDrive(
         key=key_of([path.name for path in (results.identities, *results.labels.values(), *results.boxes_3d)]),
         class_names=results.class_names,
-        tracks=tracks,
+        tracks=donors.tracks,
         merges=identities.proposals,
         identity_of=identities.identity_of,
-        donors=donors,
+        donors=donors.of_identity,
         summary=summary,
         open_frames=partial(read_labelled_frames, results.tracks, results.labels, results.boxes_3d),
     )
@@ -167,7 +167,7 @@ def _camera_summary(paths: Iterable[Path], camera: str, tracks: Iterable[TrackSu
     )
 
 
-def _merge_summary(identities: Identities) -> MergeSummary:
+def _merge_summary(identities: Merges) -> MergeSummary:
     states = Counter(proposal.state for proposal in identities.proposals)
     return MergeSummary(
         accepted=states[MergeState.ACCEPTED],

@@ -141,5 +141,9 @@ class LabelledDrive:
     open_frames: Callable[[], Iterator[LabelledFrame]]
 
     def frames(self) -> Iterator[LabelledFrame]:
-        """Every frame of the drive in order, read from the artifacts as the caller goes; may be called again."""
+        """Every frame with observations in order, read from the artifacts as the caller goes; may be called again."""
         return self.open_frames()
+
+    def observations(self, camera: str) -> Iterator[Observations]:
+        """What was seen in one camera, frame by frame."""
+        return (frame.views[camera].observations for frame in self.frames() if camera in frame.views)

@@ -2,26 +2,20 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from itertools import islice
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import TypeAdapter
 
 from labeler.detection import Detections
 from labeler.drive import Camera, DriveFileError, SweepFile, SweepReader
-from labeler.identity import (
-    IdentityConfig,
-    MergeProposal,
-    MergeState,
-    SharedFrame,
-    propose_merges,
-)
-from labeler.lidar import Boxes3D, LidarConfig, boxes_from_sweep
+from labeler.identity import IdentityConfig, Merges, propose_merges
+from labeler.lidar import Boxes3D, LidarConfig, boxes_from_sweep, estimate_ground
 from labeler.pipeline.artifacts import write_json
 from labeler.pipeline.detecting import read_detections
 from labeler.pipeline.reading import read_observations, read_views
@@ -78,14 +72,6 @@ class IdentityUnit:
     class_groups: tuple[int, ...]
 
 
-@dataclass(frozen=True)
-class Identities:
-    """What an identity artifact holds."""
-
-    proposals: tuple[MergeProposal, ...]
-    identity_of: dict[int, int]
-
-
 def track(unit: TrackUnit, path: Path) -> None:
     """Write the observations of one camera's tracks, in order of frames."""
     tracker = open_tracker(unit.config, class_groups=unit.class_groups)
@@ -107,6 +93,7 @@ def fit_lidar_boxes(unit: LidarUnit, path: Path) -> None:
         except DriveFileError as error:
             warnings.append(str(error))
             continue
+        ground = estimate_ground(sweep.xyz_m, unit.config)
         for number, camera in enumerate(unit.cameras):
             found = detections.get(camera.name, {}).get(frame.frame_index, Detections.empty())
             if len(found):
@@ -117,6 +104,7 @@ def fit_lidar_boxes(unit: LidarUnit, path: Path) -> None:
                     unit.config,
                     class_names=unit.class_names,
                     camera_ego_SE3_sweep_ego=frame.camera_ego_SE3_sweep_ego[camera.name],
+                    ground=ground,
                 )
                 parts.append(_box_columns(boxes, frame.frame_index, number))
     cameras = [camera.name for camera in unit.cameras]
@@ -127,8 +115,7 @@ def find_identities(unit: IdentityUnit, path: Path) -> None:
     """Write the merge proposals and the identity of every track."""
     frames = read_views(unit.tracks, unit.boxes_3d)
     result = propose_merges(frames, unit.config, class_groups=unit.class_groups)
-    identity_of = {str(track_id): identity for track_id, identity in result.identity_of.items()}
-    write_json(path, {"proposals": [asdict(proposal) for proposal in result.proposals], "identity_of": identity_of})
+    write_json(path, result)
 
 
 @dataclass(frozen=True)
@@ -151,6 +138,14 @@ class LabelUnit:
     donors: Path
 
 
+@dataclass(frozen=True)
+class Donors:
+    """The donor of each identity that has one, and all tracks in a few numbers."""
+
+    of_identity: dict[int, Donor]
+    tracks: tuple[TrackSummary, ...]
+
+
 def choose_donors(unit: DonorUnit, path: Path) -> None:
     """Write the donor of every identity, and a summary of every track."""
     identity_of = read_identities(unit.identities).identity_of
@@ -161,14 +156,13 @@ def choose_donors(unit: DonorUnit, path: Path) -> None:
     )
     donors = find_donors(batches, identity_of, config=unit.config)
     tracks = [summary for camera, file in unit.tracks.items() for summary in summarise_tracks(camera, file)]
-    of_identity = {str(identity): asdict(donor) for identity, donor in donors.items()}
-    write_json(path, {"donors": of_identity, "tracks": [asdict(summary) for summary in tracks]})
+    write_json(path, Donors(donors, tuple(tracks)))
 
 
 def label_camera(unit: LabelUnit, path: Path) -> None:
     """Write a label for every observation of one camera, row by row."""
     identity_of = read_identities(unit.identities).identity_of
-    donors, _ = read_donors(unit.donors)
+    donors = read_donors(unit.donors).of_identity
     batches = (rows_of(Observations, columns) for columns in read_batches(unit.tracks))
     write_table(path, (columns_of(label_observations(batch, identity_of, donors)) for batch in batches))
 
@@ -180,27 +174,14 @@ DONORS = Stage("donors", 1, "json", choose_donors)
 LABELS = Stage("labels", 1, "arrow", label_camera)
 
 
-def read_identities(path: Path) -> Identities:
+def read_identities(path: Path) -> Merges:
     """What :func:`find_identities` wrote."""
-    stored = json.loads(path.read_text())
-    proposals = tuple(
-        MergeProposal(
-            **{
-                **proposal,
-                "state": MergeState(proposal["state"]),
-                "best_frames": tuple(SharedFrame(**frame) for frame in proposal["best_frames"]),
-            }
-        )
-        for proposal in stored["proposals"]
-    )
-    return Identities(proposals, {int(track): identity for track, identity in stored["identity_of"].items()})
+    return TypeAdapter(Merges).validate_json(path.read_bytes())
 
 
-def read_donors(path: Path) -> tuple[dict[int, Donor], tuple[TrackSummary, ...]]:
-    """What :func:`choose_donors` wrote: the donor of each identity, and the tracks."""
-    stored = json.loads(path.read_text())
-    donors = {int(identity): Donor(**donor) for identity, donor in stored["donors"].items()}
-    return donors, tuple(TrackSummary(**summary) for summary in stored["tracks"])
+def read_donors(path: Path) -> Donors:
+    """What :func:`choose_donors` wrote."""
+    return TypeAdapter(Donors).validate_json(path.read_bytes())
 
 
 def summarise_tracks(camera: str, path: Path) -> list[TrackSummary]:
