@@ -10,13 +10,13 @@ import logging
 import threading
 import time
 from collections import OrderedDict
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from app.scene.canvas import SceneCanvas
 from app.scene.errors import FrameNotFound
 from app.scene.shapes import PointCloud, ground_height_m, point_cloud
-from app.scene.types import SceneBox, SceneSource, SceneView
+from app.scene.types import SceneSource, SceneView
 from app.scene.viewer import PrivateViewer
 from labeler.errors import HindsightError
 
@@ -110,15 +110,17 @@ class Scene:
 
     def _run(self) -> None:
         while (view := self._next_view()) is not None:
-            try:
-                self._draw(view)
-            except Exception:  # the edge of a thread: nobody above could say it
-                _log.exception("frame %d could not be drawn in the 3D view", view.frame_index)
-            finally:
-                with self._changed:
-                    self._drawing = False
-                    self._changed.notify_all()
-            self._read_ahead(view.frame_index)
+            self._attempt(self._draw, view)
+            with self._changed:
+                self._drawing = False
+                self._changed.notify_all()
+            self._attempt(self._read_ahead, view)
+
+    def _attempt(self, step: Callable[[SceneView], None], view: SceneView) -> None:
+        try:
+            step(view)
+        except Exception:  # the edge of the thread: nobody above could say it, and the next view may work
+            _log.exception("frame %d could not be drawn in the 3D view", view.frame_index)
 
     def _next_view(self) -> SceneView | None:
         """The next view to draw, waiting for one; None when the scene was closed."""
@@ -130,10 +132,8 @@ class Scene:
 
     def _draw(self, view: SceneView) -> None:
         points = self._points(view.frame_index)
-        self._canvas.draw(view, points, self._boxes(view.frame_index), ground_m=ground_height_m(points.xyz_m))
-
-    def _boxes(self, frame_index: int) -> list[SceneBox]:
-        return list(self._source.boxes(frame_index))
+        boxes = self._source.boxes(view.frame_index)
+        self._canvas.draw(view, points, boxes, ground_m=ground_height_m(points.xyz_m))
 
     def _points(self, frame_index: int) -> PointCloud:
         """The frame's points: kept ones, or read now. A sweep that can't be read is drawn as none."""
@@ -150,8 +150,9 @@ class Scene:
             self._sweeps.popitem(last=False)
         return points
 
-    def _read_ahead(self, frame_index: int) -> None:
-        for ahead in range(frame_index + 1, min(frame_index + 1 + _READ_AHEAD, self._source.frame_count)):
+    def _read_ahead(self, view: SceneView) -> None:
+        first = view.frame_index + 1
+        for ahead in range(first, min(first + _READ_AHEAD, self._source.frame_count)):
             with self._changed:
                 if self._wanted is not None or self._closed:
                     return
