@@ -42,6 +42,13 @@ class NotFound(AppError):
     code = "not_found"
 
 
+class InvalidRequest(AppError):
+    """Values that do not go together."""
+
+    status = HTTPStatus.UNPROCESSABLE_ENTITY
+    code = "invalid_request"
+
+
 class CannotLink(AppError):
     """Two tracks of one camera that share a frame can never be one object."""
 
@@ -79,6 +86,12 @@ class BadArchive(AppError):
     """An upload that is not an archive, or one with members that must not be unpacked."""
 
     code = "bad_archive"
+
+
+class UploadIncomplete(AppError):
+    """The sender went away in the middle."""
+
+    code = "upload_incomplete"
 
 
 class UploadTooLarge(AppError):

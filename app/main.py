@@ -1,7 +1,10 @@
 """The web app: its parts, put together by :func:`create_app`."""
 
+import threading
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from functools import partial
+from pathlib import Path
 
 from fastapi import APIRouter, FastAPI
 from fastapi.routing import APIRoute
@@ -11,12 +14,18 @@ from app import __version__
 from app.db.engine import migrate, open_engine
 from app.db.session import Store
 from app.drives.endpoints import router as drives_router
+from app.drives.upload import remove_leftovers
 from app.errors import ErrorBody, install_error_handlers
 from app.exports.endpoints import router as exports_router
 from app.identities.endpoints import router as identities_router
 from app.jobs.endpoints import router as jobs_router
 from app.media.endpoints import router as media_router
 from app.merges.endpoints import router as merges_router
+from app.page import STATIC_FOLDER, install_page
+from app.scene.endpoints import router as scene_router
+from app.scene.manager import SceneManager
+from app.scene.service import open_stored_source
+from app.security import install_security
 from app.settings import Settings
 from app.tracks.endpoints import router as tracks_router
 
@@ -35,15 +44,22 @@ def get_health() -> Health:
     return Health(version=__version__, status="ok")
 
 
-def create_app(settings: Settings) -> FastAPI:
-    """The app on one workspace. The store is opened and migrated when the app starts."""
+def create_app(settings: Settings, *, static_folder: Path = STATIC_FOLDER) -> FastAPI:
+    """The app on one workspace. The store is opened and migrated when the app starts.
+
+    ``app.state.stopping`` is to be set when the server is told to stop, so that endless answers end.
+    """
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+        remove_leftovers(settings)
         engine = open_engine(settings.store_url)
         migrate(engine)
         app.state.store = Store(engine)
+        app.state.scenes = SceneManager(partial(open_stored_source, app.state.store, settings.workspace))
         yield
+        app.state.stopping.set()
+        app.state.scenes.close()
         engine.dispose()
 
     app = FastAPI(
@@ -57,6 +73,7 @@ def create_app(settings: Settings) -> FastAPI:
         openapi_url="/api/openapi.json",
     )
     app.state.settings = settings
+    app.state.stopping = threading.Event()
     install_error_handlers(app)
     for router in (
         health_router,
@@ -67,9 +84,18 @@ def create_app(settings: Settings) -> FastAPI:
         jobs_router,
         exports_router,
         media_router,
+        scene_router,
     ):
         app.include_router(router)
+    install_page(app, static_folder)
+    install_security(app, allowed_hosts=_allowed_hosts(settings))
     return app
+
+
+def _allowed_hosts(settings: Settings) -> tuple[str, ...]:
+    """The hosts that were set, and the address that the server listens on."""
+    host = f"[{settings.host}]" if ":" in settings.host else settings.host
+    return (*settings.allowed_hosts, host)
 
 
 def _operation_id(route: APIRoute) -> str:

@@ -6,11 +6,14 @@ Every field says in its description what it does; ``docs/settings.md`` lists the
 import ipaddress
 import os
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
-from pydantic import Field
+from pydantic import Field, ValidationError, field_validator
 from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
+from labeler.errors import HindsightError
+
+PREFIX = "HINDSIGHT_"
 GIB = 1024**3
 
 
@@ -23,7 +26,7 @@ def default_workspace() -> Path:
 class Settings(BaseSettings):
     """Settings of the web server and of the worker. Both must be given the same ones."""
 
-    model_config = SettingsConfigDict(env_prefix="HINDSIGHT_", frozen=True, protected_namespaces=())
+    model_config = SettingsConfigDict(env_prefix=PREFIX, frozen=True, protected_namespaces=())
 
     workspace: Path = Field(
         default_factory=default_workspace,
@@ -39,12 +42,13 @@ class Settings(BaseSettings):
     )
     allowed_hosts: Annotated[tuple[str, ...], NoDecode] = Field(
         default=(),
-        description="Host names, separated by commas, that the server may be called by beside localhost and its address.",
+        description="Host names, separated by commas, that the server answers to beside localhost and its address.",
     )
     allow_local_paths: bool = Field(
         default=False,
-        description="Let the page register folders and models of the server's disk even when others can reach the server.",
+        description="Let the page register folders and models of the server's disk even when others can reach it.",
     )
+    reviewer: str = Field(default="local", min_length=1, description="Name that is kept with every decision made here.")
     max_upload_bytes: int = Field(default=64 * GIB, gt=0, description="Largest archive that may be uploaded, in bytes.")
     max_unpacked_bytes: int = Field(
         default=128 * GIB, gt=0, description="How much an uploaded archive may unpack to, in bytes."
@@ -67,6 +71,19 @@ class Settings(BaseSettings):
     job_poll_seconds: float = Field(
         default=0.3, gt=0, description="How often the worker looks for jobs and the page's progress is renewed."
     )
+
+    @field_validator("allowed_hosts", mode="before")
+    @classmethod
+    def _split_at_commas(cls, value: object) -> object:
+        return tuple(name.strip() for name in value.split(",") if name.strip()) if isinstance(value, str) else value
+
+    def as_environment(self) -> dict[str, str]:
+        """Environment variables that give another process these settings."""
+        return {
+            f"{PREFIX}{name.upper()}": ",".join(value) if isinstance(value, tuple) else str(value)
+            for name, value in self
+            if value is not None
+        }
 
     @property
     def store_url(self) -> str:
@@ -102,3 +119,14 @@ class Settings(BaseSettings):
     def may_use_local_paths(self) -> bool:
         """Whether a path on the server's disk may come from the page."""
         return self.is_loopback or self.allow_local_paths
+
+
+def load_settings(**options: Any) -> Settings:
+    """Settings from the environment, over which ``options`` that are not None win.
+
+    HindsightError where a value can't be used."""
+    try:
+        return Settings(**{name: value for name, value in options.items() if value is not None})
+    except ValidationError as error:
+        faults = "; ".join(f"{PREFIX}{str(fault['loc'][0]).upper()}: {fault['msg']}" for fault in error.errors())
+        raise HindsightError(f"A setting can't be used: {faults}. See docs/settings.md.") from error

@@ -27,9 +27,9 @@ def list_drives(session: ReadSession) -> list[Drive]:
 
 
 @router.post("/drives", status_code=HTTPStatus.CREATED)
-def register_drive(registration: DriveRegistration, session: WriteSession, settings: AppSettings) -> Drive:
+def register_drive(registration: DriveRegistration, store: AppStore, settings: AppSettings) -> Drive:
     """Take a folder on the server's own disk as it lies there. One that is known already is answered as it is."""
-    return service.register_drive(session, settings, registration)
+    return service.register_drive(store, settings, registration)
 
 
 @router.post(

@@ -6,6 +6,7 @@ from fastapi import APIRouter, Query, Request
 from fastapi.responses import Response
 
 from app.db.session import ReadSession
+from app.dependencies import AppSettings
 from app.media import service
 
 router = APIRouter(prefix="/api/drives/{drive_id}", tags=["media"])
@@ -22,10 +23,11 @@ def get_image(
     camera: str,
     request: Request,
     session: ReadSession,
+    settings: AppSettings,
     max_width: Annotated[int | None, Query(ge=16, le=16384, description="Shrink wider images to this width.")] = None,
 ) -> Response:
     """The image of one camera in one frame."""
-    image = service.find_image(session, drive_id, frame_index, camera, max_width=max_width)
+    image = service.find_image(session, settings, drive_id, frame_index, camera, max_width=max_width)
     headers = {"ETag": image.etag, "Cache-Control": "private, max-age=31536000, immutable"}
     if request.headers.get("if-none-match") == image.etag:
         return Response(status_code=304, headers=headers)

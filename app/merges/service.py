@@ -1,1 +1,141 @@
-"""Written next."""
+"""Merges for the page, and a person's decisions about them."""
+
+from app.db.session import Session
+from app.drives import repository as drives_repository
+from app.errors import CannotLink, Conflict, NotFound
+from app.identities.linking import TrackFrames, relink
+from app.merges import repository
+from app.merges.impact import Impact
+from app.merges.models import MergeRow
+from app.merges.schemas import DecidedBy, Merge, MergeChange, MergeFrame, MergeState
+from app.reviews import service as reviews_service
+from app.reviews.schemas import ReviewAction
+from app.tracks import repository as tracks_repository
+from labeler.identity.linking import IdentityGraph
+
+
+def list_merges(session: Session, drive_id: int, state: MergeState | None) -> list[Merge]:
+    """Merges of a drive by descending score; none before it is labelled."""
+    if drives_repository.find(session, drive_id) is None:
+        raise NotFound(f"There is no drive {drive_id}. It may have been deleted.")
+    labelling = tracks_repository.current_labelling(session, drive_id)
+    if labelling is None:
+        return []
+    tracks = tracks_repository.tracks_of(session, labelling.id)
+    impact = Impact(tracks, repository.accepted_pairs(session, labelling.id))
+    cameras = tracks_repository.camera_names(session, drive_id)
+    camera_of = {track.track_id: cameras[track.camera_id] for track in tracks}
+    return [_to_merge(row, impact, camera_of) for row in repository.list_by_score(session, labelling.id, state)]
+
+
+def accept_merge(session: Session, merge_id: int, *, reviewer: str) -> MergeChange:
+    """A person says that the two tracks are one object.
+
+    CannotLink where that would put two tracks of one camera that share a frame into one identity."""
+    merge = _require_current(session, merge_id)
+    if merge.state != MergeState.ACCEPTED:
+        _require_linkable(session, merge)
+    return _decide(session, merge, ReviewAction.ACCEPT, MergeState.ACCEPTED, reviewer)
+
+
+def reject_merge(session: Session, merge_id: int, *, reviewer: str) -> MergeChange:
+    """A person says that the two tracks are two objects."""
+    return _decide(session, _require_current(session, merge_id), ReviewAction.REJECT, MergeState.REJECTED, reviewer)
+
+
+def undo_merge(session: Session, merge_id: int, *, reviewer: str) -> MergeChange:
+    """What a person said is taken back, and what the machine said holds again, as far as it fits."""
+    merge = _require_current(session, merge_id)
+    if merge.decided_by != DecidedBy.PERSON:
+        raise Conflict(
+            f"Nobody has decided about the merge of tracks {merge.track_a} and {merge.track_b}, so there is nothing to "
+            "undo."
+        )
+    reviews_service.record(session, merge, ReviewAction.UNDO, reviewer=reviewer)
+    merge.state, merge.decided_by = merge.machine_state, DecidedBy.MACHINE
+    return _apply(session, merge)
+
+
+def _decide(session: Session, merge: MergeRow, action: ReviewAction, state: MergeState, reviewer: str) -> MergeChange:
+    if merge.state == state and merge.decided_by == DecidedBy.PERSON:
+        return _change(session, merge, changed_label_count=0)  # said before: nothing to add
+    reviews_service.record(session, merge, action, reviewer=reviewer)
+    merge.state, merge.decided_by = state, DecidedBy.PERSON
+    return _apply(session, merge)
+
+
+def _apply(session: Session, merge: MergeRow) -> MergeChange:
+    """Let identities and labels follow a changed merge."""
+    relinked = relink(session, merge.labelling_id, (merge.track_a, merge.track_b))
+    drive = tracks_repository.drive_of_labelling(session, merge.labelling_id)
+    drives_repository.raise_revision(session, drive.id)
+    session.refresh(merge)
+    return _change(session, merge, changed_label_count=relinked.changed_label_count)
+
+
+def _change(session: Session, merge: MergeRow, *, changed_label_count: int) -> MergeChange:
+    pair = tracks_repository.tracks_with(session, merge.labelling_id, (merge.track_a, merge.track_b))
+    tracks = tracks_repository.tracks_of_identities(session, merge.labelling_id, [track.identity_id for track in pair])
+    drive = tracks_repository.drive_of_labelling(session, merge.labelling_id)
+    session.refresh(drive)
+    cameras = tracks_repository.camera_names(session, drive.id)
+    impact = Impact(tracks, repository.accepted_pairs(session, merge.labelling_id))
+    return MergeChange(
+        merge=_to_merge(merge, impact, {track.track_id: cameras[track.camera_id] for track in tracks}),
+        changed_label_count=changed_label_count,
+        identity_ids=sorted({track.identity_id for track in pair}),
+        revision=drive.revision,
+    )
+
+
+def _require_current(session: Session, merge_id: int) -> MergeRow:
+    """The merge; NotFound where there is none, or where the drive has been labelled again since."""
+    merge = repository.find(session, merge_id)
+    if merge is None or not tracks_repository.is_current(session, merge.labelling_id):
+        raise NotFound(f"There is no merge {merge_id}. The drive may have been labelled again: load its merges anew.")
+    return merge
+
+
+def _require_linkable(session: Session, merge: MergeRow) -> None:
+    pair = tracks_repository.tracks_with(session, merge.labelling_id, (merge.track_a, merge.track_b))
+    tracks = tracks_repository.tracks_of_identities(session, merge.labelling_id, [track.identity_id for track in pair])
+    shared = TrackFrames(session, merge.labelling_id, tracks)
+    graph = IdentityGraph({track.track_id: str(track.camera_id) for track in tracks}, shared)
+    for identity_id in {track.identity_id for track in tracks}:
+        members = [track.track_id for track in tracks if track.identity_id == identity_id]
+        for other in members[1:]:
+            graph.join(members[0], other)
+    conflict = graph.conflict(merge.track_a, merge.track_b)
+    if conflict is None:
+        return
+    a, b = conflict
+    drive = tracks_repository.drive_of_labelling(session, merge.labelling_id)
+    camera_id = next(track.camera_id for track in tracks if track.track_id == a)
+    camera = tracks_repository.camera_names(session, drive.id)[camera_id]
+    raise CannotLink(
+        f"Tracks {merge.track_a} and {merge.track_b} can't be one object: tracks {a} and {b} would be one with them, "
+        f"and both are in camera {camera} in frame {shared.first_shared(a, b)}. Reject the merge that leads to the "
+        "wrong one first."
+    )
+
+
+def _to_merge(row: MergeRow, impact: Impact, camera_of: dict[int, str]) -> Merge:
+    return Merge(
+        id=row.id,
+        track_a=row.track_a,
+        track_b=row.track_b,
+        camera_a=camera_of[row.track_a],
+        camera_b=camera_of[row.track_b],
+        score=row.score,
+        state=MergeState(row.state),
+        decided_by=DecidedBy(row.decided_by),
+        shared_frames=row.shared_frames,
+        agreeing_frames=row.agreeing_frames,
+        mean_distance_m=row.mean_distance_m,
+        mean_bev_iou=row.mean_bev_iou,
+        reason=row.reason,
+        best_frames=[MergeFrame.model_validate(frame) for frame in row.best_frames],
+        label_count=impact.label_count(row),
+        identity_a=impact.identity_of(row.track_a),
+        identity_b=impact.identity_of(row.track_b),
+    )

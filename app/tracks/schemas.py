@@ -21,8 +21,10 @@ class LabelDonor(BaseModel):
 
 
 class Label(BaseModel):
+    """What an observation is taken for; ``score`` is null where neither it nor its identity has one."""
+
     class_name: str
-    score: float
+    score: float | None
     source: LabelSource
     donor: LabelDonor | None
 

@@ -1,1 +1,95 @@
-"""Written next."""
+"""Tracks and observations for the page."""
+
+from itertools import groupby
+
+from pydantic_core import to_json
+
+from app.db.session import Session
+from app.drives import repository as drives_repository
+from app.errors import InvalidRequest, NotFound
+from app.tracks import repository
+from app.tracks.repository import LabelledObservation
+from app.tracks.schemas import Track
+
+MAX_FRAMES = 200
+
+
+def observations_json(session: Session, drive_id: int, start: int, stop: int) -> bytes:
+    """An :class:`app.tracks.schemas.ObservationPage` as JSON.
+
+    It is written from plain values: a page holds tens of thousands of observations, and models of each take most of
+    the time. A test reads the answer back through the model.
+    """
+    if not start <= stop <= start + MAX_FRAMES:
+        raise InvalidRequest(
+            f"Frames {start} to {stop} can't be read at once: stop must not be below start, and at most {MAX_FRAMES} "
+            "frames above it."
+        )
+    drive = drives_repository.find(session, drive_id)
+    if drive is None:
+        raise NotFound(f"There is no drive {drive_id}. It may have been deleted.")
+    labelling = repository.current_labelling(session, drive_id)
+    frames: dict[int, list[dict[str, object]]] = {index: [] for index in range(start, min(stop, drive.frame_count))}
+    if labelling is not None:
+        rows = repository.labelled_observations(session, labelling.id, start, stop)
+        cameras = repository.camera_names(session, drive_id)
+        names = labelling.class_names
+        for frame_index, group in groupby(rows, key=lambda row: row.frame_index):
+            frames[frame_index] = [_observation(row, cameras, names) for row in group]
+    return to_json(
+        {
+            "revision": drive.revision,
+            "frames": [{"frame_index": index, "observations": found} for index, found in frames.items()],
+        }
+    )
+
+
+def list_tracks(session: Session, drive_id: int) -> list[Track]:
+    """Tracks of the drive in order of id; none before it is labelled."""
+    if drives_repository.find(session, drive_id) is None:
+        raise NotFound(f"There is no drive {drive_id}. It may have been deleted.")
+    labelling = repository.current_labelling(session, drive_id)
+    if labelling is None:
+        return []
+    cameras = repository.camera_names(session, drive_id)
+    return [
+        Track(
+            id=row.track_id,
+            camera=cameras[row.camera_id],
+            first_frame=row.first_frame,
+            last_frame=row.last_frame,
+            observation_count=row.observation_count,
+            identity_id=row.identity_id,
+            best_score=row.best_score,
+            best_frame=row.best_frame,
+            class_name=labelling.class_names[row.class_id],
+        )
+        for row in repository.tracks_of(session, labelling.id)
+    ]
+
+
+def _observation(row: LabelledObservation, cameras: dict[int, str], names: list[str]) -> dict[str, object]:
+    donor = None
+    if row.donor_id != row.id:
+        donor = {
+            "observation_id": row.donor_id,
+            "camera": cameras[row.donor_camera_id],
+            "frame_index": row.donor_frame_index,
+            "score": row.donor_score,
+        }
+    return {
+        "id": row.id,
+        "track_id": row.track_id,
+        "identity_id": row.identity_id,
+        "camera": cameras[row.camera_id],
+        "box": (row.x1_px, row.y1_px, row.x2_px, row.y2_px),
+        "class_name": names[row.class_id],
+        "score": row.score,
+        "filled": row.filled,
+        "label": {
+            "class_name": names[row.label_class_id],
+            "score": row.label_score,
+            "source": row.label_source,
+            "donor": donor,
+        },
+    }

@@ -1,0 +1,58 @@
+"""SQL about identities."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+from sqlalchemy import and_, delete, func, insert, select
+from sqlalchemy.orm import Session
+
+from app.identities.models import IdentityRow
+from app.tracks.models import LabelRow, ObservationRow, TrackRow
+
+
+class StoredIdentity(NamedTuple):
+    """An identity with the store's id and the camera of its donor."""
+
+    row: IdentityRow
+    donor_id: int
+    donor_camera_id: int
+
+
+def list_all(session: Session, labelling_id: int) -> list[StoredIdentity]:
+    """Identities in order of id."""
+    query = (
+        select(IdentityRow, ObservationRow.id, TrackRow.camera_id)
+        .join(
+            TrackRow,
+            and_(TrackRow.labelling_id == IdentityRow.labelling_id, TrackRow.track_id == IdentityRow.donor_track_id),
+        )
+        .join(
+            ObservationRow,
+            and_(
+                ObservationRow.labelling_id == IdentityRow.labelling_id,
+                ObservationRow.track_id == IdentityRow.donor_track_id,
+                ObservationRow.frame_index == IdentityRow.donor_frame_index,
+            ),
+        )
+        .where(IdentityRow.labelling_id == labelling_id)
+        .order_by(IdentityRow.identity_id)
+    )
+    return [StoredIdentity(*row) for row in session.execute(query)]
+
+
+def replace(session: Session, labelling_id: int, gone: Iterable[int], rows: Sequence[Mapping[str, Any]]) -> None:
+    """Delete identities by id, and add others as rows of columns."""
+    session.execute(
+        delete(IdentityRow).where(IdentityRow.labelling_id == labelling_id, IdentityRow.identity_id.in_(sorted(gone))),
+        execution_options={"synchronize_session": False},
+    )
+    if rows:
+        session.execute(insert(IdentityRow), rows)
+
+
+def propagated_count(session: Session, labelling_id: int, track_ids: Sequence[int]) -> int:
+    """How many labels of these tracks come from another observation."""
+    query = select(func.count()).where(
+        LabelRow.labelling_id == labelling_id, LabelRow.track_id.in_(track_ids), LabelRow.source == "propagated"
+    )
+    return session.scalars(query).one()

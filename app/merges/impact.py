@@ -1,0 +1,58 @@
+"""How many labels a decision about a merge changes.
+
+Accepting joins two identities: the labels of the one with the lesser best observation change. Undoing a merge that
+holds may split an identity: the labels of the part without the best observation change.
+"""
+
+from collections.abc import Iterable, Sequence
+
+from app.identities.linking import best_track
+from app.merges.models import MergeRow
+from app.tracks.models import TrackRow
+
+
+class Impact:
+    """Counts for the merges of one labelling. ``accepted`` are all merges that hold among the tracks."""
+
+    def __init__(self, tracks: Iterable[TrackRow], accepted: Iterable[tuple[int, int]]) -> None:
+        self._tracks = {track.track_id: track for track in tracks}
+        self._members: dict[int, list[TrackRow]] = {}
+        for track in self._tracks.values():
+            self._members.setdefault(track.identity_id, []).append(track)
+        self._neighbours: dict[int, set[int]] = {}
+        for track_a, track_b in accepted:
+            self._neighbours.setdefault(track_a, set()).add(track_b)
+            self._neighbours.setdefault(track_b, set()).add(track_a)
+
+    def identity_of(self, track_id: int) -> int:
+        return self._tracks[track_id].identity_id
+
+    def label_count(self, merge: MergeRow) -> int:
+        """How many labels change when the merge is accepted, or undone where it holds."""
+        if merge.state == "accepted":
+            part = self._side_of(merge.track_a, without=merge.track_b)
+            rest = [track for track in self._members[self.identity_of(merge.track_a)] if track.track_id not in part]
+            return _lesser_count([self._tracks[track_id] for track_id in part], rest)
+        identity_a, identity_b = self.identity_of(merge.track_a), self.identity_of(merge.track_b)
+        if identity_a == identity_b:
+            return 0
+        return _lesser_count(self._members[identity_a], self._members[identity_b])
+
+    def _side_of(self, start: int, *, without: int) -> set[int]:
+        """Tracks that still hang together with ``start`` when its merge with ``without`` is gone."""
+        side, waiting = {start}, [start]
+        while waiting:
+            track = waiting.pop()
+            for neighbour in self._neighbours.get(track, ()):
+                if neighbour not in side and (track, neighbour) != (start, without):
+                    side.add(neighbour)
+                    waiting.append(neighbour)
+        return side
+
+
+def _lesser_count(a: Sequence[TrackRow], b: Sequence[TrackRow]) -> int:
+    """Observations of the group without the best one; 0 where one group is empty."""
+    if not a or not b:
+        return 0
+    lesser = b if best_track([*a, *b]) in a else a
+    return sum(track.observation_count for track in lesser)

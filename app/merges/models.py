@@ -1,0 +1,37 @@
+"""Table of merges."""
+
+from typing import Any
+
+from sqlalchemy import ForeignKey, Index
+from sqlalchemy.orm import Mapped, mapped_column
+
+from app.db.base import Base
+
+
+class MergeRow(Base):
+    """A claim that two tracks are one object, with its evidence.
+
+    ``machine_state`` is what the labeler said. ``state`` is what holds: the person's word where there is one, else the
+    machine's, but an acceptance by the machine that no longer fits is a proposal.
+    """
+
+    __tablename__ = "merge"
+    __table_args__ = (
+        Index(None, "labelling_id", "track_a", "track_b", unique=True),
+        {"sqlite_autoincrement": True},
+    )
+
+    id: Mapped[int] = mapped_column(primary_key=True)
+    labelling_id: Mapped[int] = mapped_column(ForeignKey("labelling.id", ondelete="CASCADE"))
+    track_a: Mapped[int]
+    track_b: Mapped[int]
+    score: Mapped[float]
+    machine_state: Mapped[str]
+    state: Mapped[str]
+    decided_by: Mapped[str]
+    shared_frames: Mapped[int]
+    agreeing_frames: Mapped[int]
+    mean_distance_m: Mapped[float]
+    mean_bev_iou: Mapped[float]
+    reason: Mapped[str]
+    best_frames: Mapped[list[dict[str, Any]]]

@@ -1,0 +1,77 @@
+"""SQL about merges."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+from sqlalchemy import insert, select, update
+from sqlalchemy.orm import Session
+
+from app.merges.models import MergeRow
+
+
+class Link(NamedTuple):
+    """A merge that makes two tracks one object, or would if it fitted."""
+
+    merge_id: int
+    track_a: int
+    track_b: int
+    score: float
+    state: str
+    decided_by: str
+
+
+def insert_merges(session: Session, rows: Sequence[Mapping[str, Any]]) -> None:
+    if rows:
+        session.execute(insert(MergeRow), rows)
+
+
+def add_merge(session: Session, merge: MergeRow) -> MergeRow:
+    """Add one merge; gives it its id."""
+    session.add(merge)
+    session.flush()
+    return merge
+
+
+def find(session: Session, merge_id: int) -> MergeRow | None:
+    return session.get(MergeRow, merge_id)
+
+
+def find_pair(session: Session, labelling_id: int, track_a: int, track_b: int) -> MergeRow | None:
+    """The merge of two tracks, ``track_a`` < ``track_b``."""
+    query = select(MergeRow).where(
+        MergeRow.labelling_id == labelling_id, MergeRow.track_a == track_a, MergeRow.track_b == track_b
+    )
+    return session.scalars(query).one_or_none()
+
+
+def list_by_score(session: Session, labelling_id: int, state: str | None = None) -> Sequence[MergeRow]:
+    """Merges by descending score, of one state where it is named."""
+    query = select(MergeRow).where(MergeRow.labelling_id == labelling_id)
+    if state is not None:
+        query = query.where(MergeRow.state == state)
+    return session.scalars(query.order_by(MergeRow.score.desc(), MergeRow.id)).all()
+
+
+def links(session: Session, labelling_id: int) -> list[Link]:
+    """Merges that a person accepted, by score, and then those that the machine accepted and no person decided."""
+    accepted_by_person = (MergeRow.decided_by == "person") & (MergeRow.state == "accepted")
+    accepted_by_machine = (MergeRow.decided_by == "machine") & (MergeRow.machine_state == "accepted")
+    query = (
+        select(MergeRow.id, MergeRow.track_a, MergeRow.track_b, MergeRow.score, MergeRow.state, MergeRow.decided_by)
+        .where(MergeRow.labelling_id == labelling_id, accepted_by_person | accepted_by_machine)
+        .order_by(MergeRow.decided_by.desc(), MergeRow.score.desc(), MergeRow.id)
+    )
+    return [Link(*row) for row in session.execute(query)]
+
+
+def accepted_pairs(session: Session, labelling_id: int) -> list[tuple[int, int]]:
+    """The tracks of the merges that hold."""
+    query = select(MergeRow.track_a, MergeRow.track_b).where(
+        MergeRow.labelling_id == labelling_id, MergeRow.state == "accepted"
+    )
+    return [(track_a, track_b) for track_a, track_b in session.execute(query)]
+
+
+def set_state(session: Session, merge_ids: Iterable[int], state: str) -> None:
+    """Set what holds for some merges, by whomever it was decided."""
+    session.execute(update(MergeRow).where(MergeRow.id.in_(list(merge_ids))).values(state=state))

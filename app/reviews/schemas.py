@@ -1,0 +1,32 @@
+"""How a decision names the tracks that it is about."""
+
+from enum import StrEnum
+
+from pydantic import BaseModel
+
+
+class ReviewAction(StrEnum):
+    ACCEPT = "accept"
+    REJECT = "reject"
+    UNDO = "undo"
+
+
+class TrackAnchor(BaseModel):
+    """One observation of a track: enough to find the same object in another labelling of the drive."""
+
+    camera: str
+    frame_index: int
+    timestamp_ns: str
+    box: tuple[float, float, float, float]
+
+
+class MergeEvidence(BaseModel):
+    """What the machine had said about the merge; kept with the decision."""
+
+    score: float
+    shared_frames: int
+    agreeing_frames: int
+    mean_distance_m: float
+    mean_bev_iou: float
+    reason: str
+    best_frames: list[dict[str, float]]

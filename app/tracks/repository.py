@@ -1,0 +1,304 @@
+"""SQL about what the labeler found."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+from sqlalchemy import and_, delete, func, insert, or_, select, update
+from sqlalchemy.orm import Session, aliased
+
+from app.db.base import Base
+from app.drives.models import CameraRow, DriveRow
+from app.identities.models import IdentityRow
+from app.merges.models import MergeRow
+from app.tracks.models import LabellingRow, LabelRow, ObservationRow, TrackRow
+
+BATCH = 5_000
+IDS_PER_QUERY = 1_000
+
+
+class LabellingCounts(NamedTuple):
+    """How much a labelling holds."""
+
+    tracks: int
+    identities: int
+    observations: int
+    proposed_merges: int
+
+
+class LabelledObservation(NamedTuple):
+    """An observation with its label and the store's id of the label's donor."""
+
+    id: int
+    track_id: int
+    identity_id: int
+    camera_id: int
+    frame_index: int
+    x1_px: float
+    y1_px: float
+    x2_px: float
+    y2_px: float
+    class_id: int
+    score: float | None
+    filled: bool
+    label_class_id: int
+    label_score: float | None
+    label_source: str
+    donor_track_id: int
+    donor_frame_index: int
+    donor_id: int
+    donor_camera_id: int
+    donor_score: float | None
+
+
+class TrackedBox(NamedTuple):
+    """A box of a track in one image."""
+
+    track_id: int
+    x1_px: float
+    y1_px: float
+    x2_px: float
+    y2_px: float
+
+
+def current_labelling(session: Session, drive_id: int) -> LabellingRow | None:
+    """The labelling that readers see."""
+    query = select(LabellingRow).where(LabellingRow.drive_id == drive_id, LabellingRow.current)
+    return session.scalars(query).one_or_none()
+
+
+def is_current(session: Session, labelling_id: int) -> bool:
+    """Whether readers see this labelling."""
+    return session.scalars(select(LabellingRow.current).where(LabellingRow.id == labelling_id)).one()
+
+
+def drive_of_labelling(session: Session, labelling_id: int) -> DriveRow:
+    query = select(DriveRow).join(LabellingRow, LabellingRow.drive_id == DriveRow.id)
+    return session.scalars(query.where(LabellingRow.id == labelling_id)).one()
+
+
+def counts_of_drives(session: Session, drive_ids: Sequence[int]) -> dict[int, LabellingCounts]:
+    """Counts of each drive that has been labelled."""
+
+    def count(table: type[TrackRow] | type[IdentityRow] | type[MergeRow], *where: Any) -> Any:
+        query = select(func.count()).select_from(table).where(table.labelling_id == LabellingRow.id, *where)
+        return query.correlate(LabellingRow).scalar_subquery()
+
+    query = select(
+        LabellingRow.drive_id,
+        count(TrackRow),
+        count(IdentityRow),
+        LabellingRow.observation_count,
+        count(MergeRow, MergeRow.state == "proposed"),
+    ).where(LabellingRow.drive_id.in_(drive_ids), LabellingRow.current)
+    return {drive_id: LabellingCounts(*counts) for drive_id, *counts in session.execute(query)}
+
+
+def insert_labelling(session: Session, labelling: LabellingRow) -> int:
+    session.add(labelling)
+    session.flush()
+    return labelling.id
+
+
+def insert_rows(session: Session, table: type[Base], rows: Sequence[Mapping[str, Any]]) -> None:
+    """Add rows of one table in bulk."""
+    for start in range(0, len(rows), BATCH):
+        session.execute(insert(table), rows[start : start + BATCH])
+
+
+def find_labelling(session: Session, labelling_id: int) -> LabellingRow:
+    """The labelling of that id, which must exist."""
+    return session.get_one(LabellingRow, labelling_id)
+
+
+def make_current(session: Session, labelling_id: int, *, drive_id: int, observation_count: int) -> None:
+    """Let readers see this labelling of the drive, and no other."""
+    drive = LabellingRow.drive_id == drive_id
+    session.execute(update(LabellingRow).where(drive).values(current=False))
+    session.execute(
+        update(LabellingRow)
+        .where(LabellingRow.id == labelling_id)
+        .values(current=True, observation_count=observation_count)
+    )
+
+
+def replaced_labellings(session: Session, drive_id: int) -> Sequence[int]:
+    """Labellings of the drive that nobody sees: replaced ones, and what broken imports left."""
+    query = select(LabellingRow.id).where(LabellingRow.drive_id == drive_id, ~LabellingRow.current)
+    return session.scalars(query).all()
+
+
+def delete_some_tracks(session: Session, labelling_id: int, *, at_most: int) -> bool:
+    """Delete some tracks of a labelling with their observations; whether there were any."""
+    some = select(TrackRow.track_id).where(TrackRow.labelling_id == labelling_id).limit(at_most)
+    track_ids = session.scalars(some).all()
+    session.execute(
+        delete(TrackRow).where(TrackRow.labelling_id == labelling_id, TrackRow.track_id.in_(track_ids)),
+        execution_options={"synchronize_session": False},
+    )
+    return bool(track_ids)
+
+
+def delete_labelling(session: Session, labelling_id: int) -> None:
+    """Delete a labelling and all that is left of it."""
+    session.execute(delete(LabellingRow).where(LabellingRow.id == labelling_id))
+
+
+def tracks_of(session: Session, labelling_id: int) -> Sequence[TrackRow]:
+    """All tracks, in order of id."""
+    query = select(TrackRow).where(TrackRow.labelling_id == labelling_id).order_by(TrackRow.track_id)
+    return session.scalars(query).all()
+
+
+def tracks_of_identities(session: Session, labelling_id: int, identity_ids: Iterable[int]) -> Sequence[TrackRow]:
+    """The tracks of a few identities, in order of id."""
+    query = select(TrackRow).where(TrackRow.labelling_id == labelling_id, TrackRow.identity_id.in_(set(identity_ids)))
+    return session.scalars(query.order_by(TrackRow.track_id)).all()
+
+
+def tracks_with(session: Session, labelling_id: int, track_ids: Iterable[int]) -> list[TrackRow]:
+    """The tracks of these ids, in order of id."""
+    ids = sorted(track_ids)
+    query = select(TrackRow).where(TrackRow.labelling_id == labelling_id).order_by(TrackRow.track_id)
+    return [
+        track
+        for start in range(0, len(ids), IDS_PER_QUERY)
+        for track in session.scalars(query.where(TrackRow.track_id.in_(ids[start : start + IDS_PER_QUERY])))
+    ]
+
+
+def frames_of_track(session: Session, labelling_id: int, track_id: int) -> set[int]:
+    """The frames that a track has an observation in."""
+    query = select(ObservationRow.frame_index).where(
+        ObservationRow.labelling_id == labelling_id, ObservationRow.track_id == track_id
+    )
+    return set(session.scalars(query))
+
+
+def observation_at(session: Session, labelling_id: int, track_id: int, frame_index: int) -> ObservationRow:
+    """The observation of a track in a frame, which must have one."""
+    query = select(ObservationRow).where(
+        ObservationRow.labelling_id == labelling_id,
+        ObservationRow.track_id == track_id,
+        ObservationRow.frame_index == frame_index,
+    )
+    return session.scalars(query).one()
+
+
+def boxes_in_image(session: Session, labelling_id: int, camera_id: int, frame_index: int) -> list[TrackedBox]:
+    """The boxes of all tracks in one image."""
+    query = (
+        select(
+            ObservationRow.track_id,
+            ObservationRow.x1_px,
+            ObservationRow.y1_px,
+            ObservationRow.x2_px,
+            ObservationRow.y2_px,
+        )
+        .join(TrackRow, _same_track(TrackRow, ObservationRow))
+        .where(
+            ObservationRow.labelling_id == labelling_id,
+            ObservationRow.frame_index == frame_index,
+            TrackRow.camera_id == camera_id,
+        )
+        .order_by(ObservationRow.track_id)
+    )
+    return [TrackedBox(*row) for row in session.execute(query)]
+
+
+def labelled_observations(session: Session, labelling_id: int, start: int, stop: int) -> Sequence[LabelledObservation]:
+    """Observations of the frames ``start <= frame_index < stop`` with their labels, by frame and track."""
+    donor, donor_track = aliased(ObservationRow), aliased(TrackRow)
+    query = (
+        select(
+            ObservationRow.id,
+            ObservationRow.track_id,
+            TrackRow.identity_id,
+            TrackRow.camera_id,
+            ObservationRow.frame_index,
+            ObservationRow.x1_px,
+            ObservationRow.y1_px,
+            ObservationRow.x2_px,
+            ObservationRow.y2_px,
+            ObservationRow.class_id,
+            ObservationRow.score,
+            ObservationRow.filled,
+            LabelRow.class_id,
+            LabelRow.score,
+            LabelRow.source,
+            LabelRow.donor_track_id,
+            LabelRow.donor_frame_index,
+            donor.id,
+            donor_track.camera_id,
+            donor.score,
+        )
+        .join(TrackRow, _same_track(TrackRow, ObservationRow))
+        .join(LabelRow, and_(_same_track(LabelRow, ObservationRow), LabelRow.frame_index == ObservationRow.frame_index))
+        .join(
+            donor,
+            and_(
+                donor.labelling_id == LabelRow.labelling_id,
+                donor.track_id == LabelRow.donor_track_id,
+                donor.frame_index == LabelRow.donor_frame_index,
+            ),
+        )
+        .join(donor_track, _same_track(donor_track, donor))
+        .where(
+            ObservationRow.labelling_id == labelling_id,
+            ObservationRow.frame_index >= start,
+            ObservationRow.frame_index < stop,
+        )
+        .order_by(ObservationRow.frame_index, ObservationRow.track_id)
+    )
+    return [LabelledObservation(*row) for row in session.execute(query)]
+
+
+def set_identity(session: Session, labelling_id: int, track_ids: Sequence[int], identity_id: int) -> None:
+    """Put tracks into an identity."""
+    session.execute(
+        update(TrackRow)
+        .where(TrackRow.labelling_id == labelling_id, TrackRow.track_id.in_(track_ids))
+        .values(identity_id=identity_id)
+    )
+
+
+def relabel(
+    session: Session,
+    labelling_id: int,
+    track_ids: Sequence[int],
+    *,
+    class_id: int,
+    score: float,
+    donor_track_id: int,
+    donor_frame_index: int,
+) -> int:
+    """Give the labels of some tracks another donor, but leave a person's; how many labels change."""
+    is_donor = and_(LabelRow.track_id == donor_track_id, LabelRow.frame_index == donor_frame_index)
+    ours = and_(LabelRow.labelling_id == labelling_id, LabelRow.track_id.in_(track_ids), LabelRow.source != "human")
+    given = {
+        "class_id": class_id,
+        "score": score,
+        "donor_track_id": donor_track_id,
+        "donor_frame_index": donor_frame_index,
+    }
+    differs = or_(
+        LabelRow.donor_track_id != donor_track_id,
+        LabelRow.donor_frame_index != donor_frame_index,
+        LabelRow.class_id != class_id,
+        LabelRow.score.is_distinct_from(score),
+    )
+    options = {"synchronize_session": False}
+    changed = session.execute(
+        update(LabelRow).where(ours, differs).values(source="propagated", **given), execution_options=options
+    )
+    session.execute(update(LabelRow).where(ours, is_donor).values(source="auto"), execution_options=options)
+    return changed.rowcount  # pyright: ignore[reportAttributeAccessIssue]
+
+
+def camera_names(session: Session, drive_id: int) -> dict[int, str]:
+    """Names of the drive's cameras by the store's id."""
+    query = select(CameraRow.id, CameraRow.name).where(CameraRow.drive_id == drive_id)
+    return dict(session.execute(query).tuples().all())
+
+
+def _same_track(a: Any, b: Any) -> Any:
+    return and_(a.labelling_id == b.labelling_id, a.track_id == b.track_id)

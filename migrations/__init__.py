@@ -1,0 +1,1 @@
+"""Migrations of the store; ``app.db.engine.migrate`` runs them."""

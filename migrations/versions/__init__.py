@@ -1,0 +1,1 @@
+"""One file for each step from one form of the store to the next."""
