@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import threading
 from collections.abc import Mapping, Sequence
+from functools import cache
 from importlib import import_module
 from pathlib import Path
 from typing import Protocol, cast
@@ -66,8 +67,12 @@ class _Onnxruntime(Protocol):
     ) -> _Session: ...
 
 
-# Without types of its own, onnxruntime is known here by the part of it that is in use.
-_onnxruntime = cast(_Onnxruntime, import_module("onnxruntime"))
+@cache
+def _onnxruntime() -> _Onnxruntime:
+    """onnxruntime, which has no types of its own, by the part of it that is in use.
+
+    Loaded when it is first needed: worker processes that only read detections do without it."""
+    return cast(_Onnxruntime, import_module("onnxruntime"))
 
 
 class OpenSession:
@@ -106,7 +111,7 @@ def open_session(
     """
     _require_file(path)
     if available is None:
-        available = _onnxruntime.get_available_providers()
+        available = _onnxruntime().get_available_providers()
     if providers is not None:
         missing = [name for name in providers if name not in available]
         if missing or not providers:
@@ -125,14 +130,14 @@ def open_session(
 
 
 def _load(path: Path, providers: Sequence[str], intra_op_threads: int) -> OpenSession:
-    options = _onnxruntime.SessionOptions()
+    options = _onnxruntime().SessionOptions()
     options.intra_op_num_threads = intra_op_threads
     options.log_severity_level = 3  # errors only: the rest is chatter on standard error
     if "DmlExecutionProvider" in providers:
         options.enable_mem_pattern = False  # DirectML demands it
     try:
         # Without enable_fallback=0 onnxruntime prints to standard output, which belongs to --json.
-        session = _onnxruntime.InferenceSession(str(path), options, providers=list(providers), enable_fallback=0)
+        session = _onnxruntime().InferenceSession(str(path), options, providers=list(providers), enable_fallback=0)
     except Exception as error:  # onnxruntime's errors share no other base class
         if providers[0] != CPU_PROVIDER:
             raise DetectionError(f"{path} could not be loaded with {providers[0]}: {error}") from error

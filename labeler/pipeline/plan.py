@@ -127,7 +127,8 @@ def track_units(clips: Clips, classes: Classes, config: TrackingConfig) -> list[
     for number, (camera, paths) in enumerate(clips.by_camera().items(), start=1):
         first_track_id = number * TRACK_IDS_PER_CAMERA + 1
         key = key_of(config, classes.groups, camera, first_track_id, [path.name for path in paths])
-        planned.append(TrackUnit(key, tuple(paths), config, classes.groups, first_track_id))
+        effort = CLIP_FRAMES * len(paths)
+        planned.append(TrackUnit(key, tuple(paths), config, classes.groups, first_track_id, effort))
     return planned
 
 

@@ -13,16 +13,26 @@ from pathlib import Path
 from typing import Generic, Protocol, TypeVar
 
 from labeler.pipeline.artifacts import Artifacts
-from labeler.pipeline.executors import Executor
+from labeler.pipeline.executors import Executor, SerialExecutor
 from labeler.pipeline.types import Progress
 
 
 class Unit(Protocol):
-    """One unit of work; ``key`` is a hash of all that its result depends on, without the stage."""
+    """One unit of work."""
 
     @property
-    def key(self) -> str: ...
+    def key(self) -> str:
+        """A hash of all that the result depends on, without the stage."""
+        ...
 
+    @property
+    def effort(self) -> int:
+        """How many frames of heavy work this is."""
+        ...
+
+
+_NOT_WORTH_A_WORKER = 32
+"""Frames of heavy work that are done sooner than a worker process starts."""
 
 AnyUnit = TypeVar("AnyUnit", bound=Unit)
 
@@ -55,7 +65,9 @@ def run_stage(
     paths = [stage.path(unit, artifacts) for unit in units]
     tasks = [_Task(stage, unit, artifacts) for unit, path in zip(units, paths, strict=True) if not path.exists()]
     progress.stage(stage.name, len(tasks))
-    for _ in executor.run(_do, tasks, count=len(tasks)):
+    effort = sum(task.unit.effort for task in tasks)
+    here = SerialExecutor() if effort <= _NOT_WORTH_A_WORKER else executor
+    for _ in here.run(_do, tasks, count=len(tasks)):
         progress.advance()
     return paths
 

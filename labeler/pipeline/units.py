@@ -37,6 +37,7 @@ class TrackUnit:
     config: TrackingConfig
     class_groups: tuple[int, ...]
     first_track_id: int
+    effort: int
 
 
 @dataclass(frozen=True)
@@ -60,6 +61,10 @@ class LidarUnit:
     config: LidarConfig
     class_names: tuple[str, ...]
 
+    @property
+    def effort(self) -> int:
+        return len(self.frames)
+
 
 @dataclass(frozen=True)
 class IdentityUnit:
@@ -70,6 +75,7 @@ class IdentityUnit:
     boxes_3d: tuple[Path, ...]
     config: IdentityConfig
     class_groups: tuple[int, ...]
+    effort: int = 0
 
 
 def track(unit: TrackUnit, path: Path) -> None:
@@ -126,6 +132,7 @@ class DonorUnit:
     tracks: Mapping[str, Path]
     identities: Path
     config: PropagationConfig
+    effort: int = 0
 
 
 @dataclass(frozen=True)
@@ -136,6 +143,7 @@ class LabelUnit:
     tracks: Path
     identities: Path
     donors: Path
+    effort: int = 0
 
 
 @dataclass(frozen=True)

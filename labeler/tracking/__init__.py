@@ -2,14 +2,12 @@
 
 from labeler.tracking.config import TrackingConfig
 from labeler.tracking.errors import TrackingError
-from labeler.tracking.kalman_iou import KalmanIouTracker
 from labeler.tracking.registry import open_tracker
 from labeler.tracking.types import NO_DETECTION, DetectedFrame, Observations, Tracker
 
 __all__ = [
     "NO_DETECTION",
     "DetectedFrame",
-    "KalmanIouTracker",
     "Observations",
     "Tracker",
     "TrackingConfig",

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from importlib import import_module
 
 from labeler.tracking.config import TrackingConfig
 from labeler.tracking.errors import TrackingError
-from labeler.tracking.kalman_iou import KalmanIouTracker
 from labeler.tracking.types import Tracker
 
-_TRACKERS = {"kalman_iou": KalmanIouTracker}
+_TRACKERS = {"kalman_iou": "labeler.tracking.kalman_iou:KalmanIouTracker"}
+"""Where each tracker is: loaded when it is chosen, because its libraries are slow to load."""
 
 
 def open_tracker(config: TrackingConfig, *, class_groups: Sequence[int]) -> Tracker:
@@ -18,7 +19,9 @@ def open_tracker(config: TrackingConfig, *, class_groups: Sequence[int]) -> Trac
     ``class_groups[class_id]`` is the number of the group whose classes may follow one another within a track. Raises
     TrackingError for a method that does not exist.
     """
-    tracker = _TRACKERS.get(config.method)
-    if tracker is None:
+    place = _TRACKERS.get(config.method)
+    if place is None:
         raise TrackingError(f"There is no tracking method {config.method!r}. Choose one of: {', '.join(_TRACKERS)}.")
-    return tracker(config, class_groups=class_groups)
+    module, _, name = place.partition(":")
+    make: Callable[..., Tracker] = getattr(import_module(module), name)
+    return make(config, class_groups=class_groups)

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from labeler.detection.types import Detections
-from labeler.tracking import DetectedFrame, KalmanIouTracker, Observations, TrackingConfig, TrackingError
+from labeler.tracking import DetectedFrame, Observations, TrackingConfig, TrackingError
+from labeler.tracking.kalman_iou import KalmanIouTracker
 
 CAR, TRUCK, PERSON = 0, 1, 2
 GROUPS = (0, 0, 1)

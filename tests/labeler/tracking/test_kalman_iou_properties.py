@@ -5,7 +5,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from labeler.detection.types import Detections
-from labeler.tracking import DetectedFrame, KalmanIouTracker, TrackingConfig
+from labeler.tracking import DetectedFrame, TrackingConfig
+from labeler.tracking.kalman_iou import KalmanIouTracker
 
 CONFIG = TrackingConfig()
 side = st.one_of(st.floats(-50, 300, width=32), st.sampled_from([float("nan"), float("inf"), 0.0]))

@@ -2,7 +2,8 @@
 
 import pytest
 
-from labeler.tracking import KalmanIouTracker, TrackingConfig, TrackingError, open_tracker
+from labeler.tracking import TrackingConfig, TrackingError, open_tracker
+from labeler.tracking.kalman_iou import KalmanIouTracker
 
 
 def test_opens_the_named_tracker() -> None:
