@@ -54,6 +54,8 @@ class FeatherTable:
 
 def read_feather(path: Path, columns: Sequence[str]) -> FeatherTable:
     """Reads a whole file that must have the given ``columns``. DriveFileError when it can't be read or lacks one."""
+    if not path.exists():
+        raise DriveFileError(f"{path} is missing.")
     try:
         with pa.OSFile(str(path), "r") as stream, pa.ipc.open_file(stream) as reader:
             table = reader.read_all()

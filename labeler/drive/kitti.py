@@ -87,7 +87,7 @@ def _open(path: Path, scene: str | None) -> Drive:
         root=path,
         images=images,
         sizes_px={},
-        calibrations=_camera_calibrations(calibration, images.keys()),
+        calibrations=_camera_calibrations(calibration),
         sweeps=[SweepFile(number * PERIOD_NS, file) for number, file in sweeps],
         poses=_poses(split / "oxts" / f"{name}.txt", calibration, warnings),
         read_sweep=KittiSweepReader(),
@@ -131,11 +131,10 @@ def _calibration(file: Path, warnings: list[str]) -> KittiCalibration | None:
         return None
 
 
-def _camera_calibrations(calibration: KittiCalibration | None, cameras: object) -> dict[str, Calibration]:
+def _camera_calibrations(calibration: KittiCalibration | None) -> dict[str, Calibration]:
     if calibration is None:
         return {}
-    of_number = {f"image_{number:02d}": found for number, found in calibration.cameras.items()}
-    return {camera: found for camera, found in of_number.items() if camera in _CAMERA_FOLDERS}
+    return {f"image_{number:02d}": found for number, found in calibration.cameras.items()}
 
 
 def _poses(file: Path, calibration: KittiCalibration | None, warnings: list[str]) -> Poses | None:

@@ -98,8 +98,7 @@ def _fill(clock: _Times, times: _Times, period_ns: int) -> _Times:
 
 def _nearest(sorted_times: _Times, wanted: _Times) -> NDArray[np.intp]:
     """The position of the time nearest to each wanted one; the earlier of two that are equally near."""
-    right = np.clip(np.searchsorted(sorted_times, wanted), 1, max(1, len(sorted_times) - 1))
-    right = np.minimum(right, len(sorted_times) - 1)
+    right = np.minimum(np.searchsorted(sorted_times, wanted), len(sorted_times) - 1)
     left = np.maximum(right - 1, 0)
     return np.where(wanted - sorted_times[left] <= sorted_times[right] - wanted, left, right)
 

@@ -55,5 +55,5 @@ def test_truncated_files_are_refused(tmp_path: Path, write_table: WriteTable, ke
 
 
 def test_a_file_that_is_gone_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(DriveFileError, match=r"gone\.feather can't be read"):
+    with pytest.raises(DriveFileError, match=r"gone\.feather is missing"):
         read_feather(tmp_path / "gone.feather", ())
