@@ -426,6 +426,66 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/drives/{drive_id}/scenes": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Open Scene
+         * @description Open a 3D view of a drive.
+         */
+        post: operations["open_scene"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/scenes/{scene_id}/view": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        /**
+         * Set Scene View
+         * @description Move a 3D view to the playhead and highlight an identity. Answers at once; the last request wins.
+         */
+        put: operations["set_scene_view"];
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/scenes/{scene_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post?: never;
+        /**
+         * Close Scene
+         * @description Close a 3D view. One that is closed already stays closed.
+         */
+        delete: operations["close_scene"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
 }
 export type webhooks = Record<string, never>;
 export interface components {
@@ -720,12 +780,15 @@ export interface components {
          * @enum {string}
          */
         JobState: "queued" | "running" | "done" | "failed" | "cancelled";
-        /** Label */
+        /**
+         * Label
+         * @description What an observation is taken for; ``score`` is null where neither it nor its identity has one.
+         */
         Label: {
             /** Class Name */
             class_name: string;
             /** Score */
-            score: number;
+            score: number | null;
             source: components["schemas"]["LabelSource"];
             donor: components["schemas"]["LabelDonor"] | null;
         };
@@ -882,6 +945,48 @@ export interface components {
             /** Frames */
             frames: components["schemas"]["FrameObservations"][];
         };
+        /**
+         * SceneCreate
+         * @description How the view starts; everything has a default.
+         */
+        SceneCreate: {
+            /**
+             * Frame Index
+             * @default 0
+             */
+            frame_index: number;
+            /** Identity Id */
+            identity_id?: number | null;
+            /** @default dark */
+            theme: components["schemas"]["Theme"];
+        };
+        /**
+         * SceneOpened
+         * @description An open 3D view and where its page lies.
+         */
+        SceneOpened: {
+            /** Scene Id */
+            scene_id: string;
+            /** Url */
+            url: string;
+        };
+        /**
+         * SceneViewUpdate
+         * @description Where the playhead stands and which identity is selected. Without a theme, it stays as it is.
+         */
+        SceneViewUpdate: {
+            /** Frame Index */
+            frame_index: number;
+            /** Identity Id */
+            identity_id?: number | null;
+            theme?: components["schemas"]["Theme"] | null;
+        };
+        /**
+         * Theme
+         * @description The page's colour scheme, which the 3D view follows.
+         * @enum {string}
+         */
+        Theme: "dark" | "light";
         /** Track */
         Track: {
             /** Id */
@@ -1633,6 +1738,103 @@ export interface operations {
                 content: {
                     "image/jpeg": unknown;
                 };
+            };
+            /** @description What was wrong, where, and what to do. */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    open_scene: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                drive_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: {
+            content: {
+                "application/json": components["schemas"]["SceneCreate"] | null;
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SceneOpened"];
+                };
+            };
+            /** @description What was wrong, where, and what to do. */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    set_scene_view: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                scene_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["SceneViewUpdate"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description What was wrong, where, and what to do. */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    close_scene: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                scene_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
             };
             /** @description What was wrong, where, and what to do. */
             "4XX": {

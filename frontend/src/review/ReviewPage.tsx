@@ -1,5 +1,164 @@
+import { ActionIcon, Button, Center, Loader, Text, Tooltip } from "@mantine/core";
+import { IconCube3dSphere, IconKeyboard } from "@tabler/icons-react";
+import { useQuery } from "@tanstack/react-query";
+import { useCallback, useEffect, useState } from "react";
+import { Link } from "wouter";
+import { messageOf } from "../api/client";
+import { driveQuery } from "../api/queries";
+import type { DriveDetail, MergeState } from "../api/types";
 import { Header } from "../app/Header";
+import { Notice } from "../app/Notice";
+import { Splitter } from "../app/Splitter";
+import { useStoredState } from "../app/storedState";
+import { JobProgress } from "../drives/JobProgress";
+import { LabelButton } from "../drives/LabelButton";
+import { text } from "../strings";
+import { CameraGrid } from "./cameras/CameraGrid";
+import { KeyHelp } from "./KeyHelp";
+import { ReviewProvider } from "./ReviewContext";
+import classes from "./ReviewPage.module.css";
+import { SidePanel } from "./SidePanel";
+import { SceneView } from "./scene/SceneView";
+import { Timeline } from "./timeline/Timeline";
+import { usePlayback } from "./timeline/usePlayback";
+import { useKeys } from "./useKeys";
 
+/** One drive: the pictures, what the machine says about them, and the decisions. */
 export function ReviewPage({ driveId }: { driveId: number }) {
-  return <Header>{driveId}</Header>;
+  const { data, error, refetch } = useQuery(driveQuery(driveId));
+  if (data) {
+    return (
+      <ReviewProvider drive={data}>
+        <Review drive={data} />
+      </ReviewProvider>
+    );
+  }
+  return (
+    <div className={classes.page}>
+      <Header />
+      {error ? (
+        <Notice title={text.review.loadFailed} onRetry={() => void refetch()} role="alert">
+          {messageOf(error)}
+          <br />
+          <Link href="/">{text.app.backToDrives}</Link>
+        </Notice>
+      ) : (
+        <Center flex={1}>
+          <Loader aria-label={text.review.loading} />
+        </Center>
+      )}
+    </div>
+  );
+}
+
+const PANEL = { initial: 400, min: 330, max: 900 };
+const SCENE = { initial: 300, min: 140, max: 1200 };
+
+function Review({ drive }: { drive: DriveDetail }) {
+  const [panelWidth, setPanelWidth] = useStoredState("panelWidth", PANEL.initial);
+  const [sceneHeight, setSceneHeight] = useStoredState("sceneHeight", SCENE.initial);
+  const [sceneOpen, setSceneOpen] = useStoredState("sceneOpen", true as boolean);
+  const [helpOpen, setHelpOpen] = useState(false);
+  const [mergesShown, setMergesShown] = useState<MergeState>("proposed");
+  const showMerges = useCallback((state: MergeState) => setMergesShown(state), []);
+  usePlayback();
+  useEffect(() => {
+    document.title = `${drive.name} · ${text.app.name}`;
+  }, [drive.name]);
+  useKeys({
+    mergesShown,
+    toggleScene: () => setSceneOpen(!sceneOpen),
+    openHelp: () => setHelpOpen(true),
+  });
+
+  return (
+    <div className={classes.page}>
+      <Header
+        actions={
+          <Actions sceneOpen={sceneOpen} onScene={() => setSceneOpen(!sceneOpen)} onHelp={() => setHelpOpen(true)} />
+        }
+      >
+        <h1 className={classes.name}>{drive.name}</h1>
+        {drive.state === "ready" && (
+          <Text size="sm" c="var(--muted)">
+            {text.drives.proposals(drive.proposed_merge_count)}
+          </Text>
+        )}
+        {drive.warnings.length > 0 && (
+          <Tooltip label={drive.warnings.join(" ")} multiline maw={420}>
+            <Text size="sm" c="orange" tabIndex={0}>
+              {text.review.warnings(drive.warnings.length)}
+            </Text>
+          </Tooltip>
+        )}
+      </Header>
+      <Unlabelled drive={drive} />
+      <div className={classes.body}>
+        <main className={classes.main}>
+          <CameraGrid />
+          <Timeline />
+        </main>
+        <Splitter
+          orientation="vertical"
+          label={text.review.resizePanel}
+          size={panelWidth}
+          {...PANEL}
+          onChange={setPanelWidth}
+        />
+        <aside className={classes.side} style={{ width: panelWidth }}>
+          <SidePanel width={panelWidth} mergesShown={mergesShown} onShowMerges={showMerges} />
+          {sceneOpen && (
+            <>
+              <Splitter
+                orientation="horizontal"
+                label={text.scene.resize}
+                size={sceneHeight}
+                {...SCENE}
+                onChange={setSceneHeight}
+              />
+              <SceneView height={sceneHeight} onClose={() => setSceneOpen(false)} />
+            </>
+          )}
+        </aside>
+      </div>
+      <KeyHelp opened={helpOpen} onClose={() => setHelpOpen(false)} />
+    </div>
+  );
+}
+
+function Actions({ sceneOpen, onScene, onHelp }: { sceneOpen: boolean; onScene: () => void; onHelp: () => void }) {
+  return (
+    <>
+      <Button
+        size="xs"
+        variant={sceneOpen ? "light" : "default"}
+        aria-pressed={sceneOpen}
+        aria-label={sceneOpen ? text.scene.hide : text.scene.show}
+        leftSection={<IconCube3dSphere size={16} />}
+        onClick={onScene}
+      >
+        {text.scene.title}
+      </Button>
+      <Tooltip label={text.review.showKeys}>
+        <ActionIcon variant="subtle" color="gray" aria-label={text.review.showKeys} onClick={onHelp}>
+          <IconKeyboard size={19} />
+        </ActionIcon>
+      </Tooltip>
+    </>
+  );
+}
+
+/** Says why there are no boxes yet, and what to do about it. */
+function Unlabelled({ drive }: { drive: DriveDetail }) {
+  if (drive.state === "ready") return null;
+  const busy = drive.state === "queued" || drive.state === "labelling";
+  return (
+    <div className={classes.unlabelled} role="status">
+      <Text size="sm">
+        {busy ? text.review.labellingNow : drive.state === "failed" ? text.review.failed : text.review.notLabelled}{" "}
+        {drive.error}
+      </Text>
+      {busy ? <JobProgress drive={drive} /> : <LabelButton drive={drive} />}
+    </div>
+  );
 }

@@ -1,0 +1,91 @@
+/**
+ * The observations of a drive by frame, fetched in blocks of frames and kept for as long as their revision holds.
+ *
+ * After a decision the labels change: `invalidate` marks all blocks as old. Old blocks are still served (they show the
+ * right boxes of the right frame, with labels of a moment ago) until the new ones are here.
+ */
+
+import type { Observation } from "../../api/types";
+import { LeastRecentlyUsed } from "./lru";
+
+export const BLOCK_FRAMES = 20;
+const BLOCKS_KEPT = 40;
+
+export interface ObservationPage {
+  revision: number;
+  frames: { frame_index: number; observations: Observation[] }[];
+}
+
+export type LoadObservations = (start: number, stop: number) => Promise<ObservationPage>;
+
+interface Block {
+  generation: number;
+  frames: Map<number, Observation[]>;
+}
+
+export class ObservationStore {
+  private readonly blocks = new LeastRecentlyUsed<number, Block>(BLOCKS_KEPT);
+  private readonly inFlight = new Map<string, Promise<void>>();
+  private generation = 0;
+  private revision: number | null = null;
+
+  constructor(
+    private readonly load: LoadObservations,
+    private readonly frameCount: number,
+    /** Called when the server's labels are newer than what was known: someone else decided, or a job ended. */
+    private readonly onNewRevision: (revision: number) => void = () => undefined,
+  ) {}
+
+  /** What is known of a frame now, maybe of an older revision; undefined if it must be loaded. */
+  get(frame: number): Observation[] | undefined {
+    return this.blocks.get(blockOf(frame))?.frames.get(frame);
+  }
+
+  isFresh(frame: number): boolean {
+    return this.blocks.get(blockOf(frame))?.generation === this.generation;
+  }
+
+  /** Resolves once the frame's observations are known and of the latest revision. */
+  async ensure(frame: number): Promise<Observation[]> {
+    while (!this.isFresh(frame)) await this.fetchBlock(blockOf(frame));
+    return this.get(frame) ?? [];
+  }
+
+  isOlderThan(revision: number): boolean {
+    return this.revision !== null && this.revision < revision;
+  }
+
+  /** The labels changed: load anew what is asked for from now on. */
+  invalidate(revision: number): void {
+    this.revision = revision;
+    this.generation += 1;
+  }
+
+  private fetchBlock(block: number): Promise<void> {
+    const generation = this.generation;
+    const key = `${block}/${generation}`;
+    const running = this.inFlight.get(key);
+    if (running) return running;
+    const start = block * BLOCK_FRAMES;
+    const stop = Math.min(start + BLOCK_FRAMES, this.frameCount);
+    const promise = this.load(start, stop)
+      .then((page) => {
+        const known = this.blocks.get(block);
+        if (known && known.generation > generation) return;
+        const frames = new Map<number, Observation[]>();
+        for (let frame = start; frame < stop; frame += 1) frames.set(frame, []);
+        for (const one of page.frames) frames.set(one.frame_index, one.observations);
+        this.blocks.set(block, { generation, frames });
+        const newer = this.revision !== null && page.revision > this.revision;
+        this.revision = Math.max(this.revision ?? page.revision, page.revision);
+        if (newer) this.onNewRevision(page.revision);
+      })
+      .finally(() => this.inFlight.delete(key));
+    this.inFlight.set(key, promise);
+    return promise;
+  }
+}
+
+function blockOf(frame: number): number {
+  return Math.floor(frame / BLOCK_FRAMES);
+}

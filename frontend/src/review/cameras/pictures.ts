@@ -1,0 +1,77 @@
+/** Loads and decodes pictures of the server. */
+
+import { errorFromBody, imageUrl, trackedFetch } from "../../api/client";
+import type { Window } from "./cropWindow";
+import { LeastRecentlyUsed } from "./lru";
+
+const CROPS_KEPT = 300;
+const CROPS_AT_ONCE = 2;
+
+async function fetchPicture(url: string): Promise<Blob | null> {
+  const response = await trackedFetch(url);
+  if (response.status === 404) return null;
+  if (!response.ok) throw errorFromBody(response.status, null);
+  return response.blob();
+}
+
+/** The decoded picture of a camera in a frame, or null where the drive has none. Decoding happens off the main thread. */
+export async function loadPicture(
+  driveId: number,
+  frame: number,
+  camera: string,
+  maxWidth?: number,
+): Promise<ImageBitmap | null> {
+  const blob = await fetchPicture(imageUrl(driveId, frame, camera, maxWidth));
+  return blob && createImageBitmap(blob);
+}
+
+/** Steps of picture widths, so that a slightly wider window does not load everything anew. */
+const WIDTHS = [480, 720, 960, 1280, 1600, 1920, 2560];
+
+/** The width to ask for, for a tile of so many device pixels; undefined is the original. */
+export function pictureWidth(devicePx: number, originalPx: number): number | undefined {
+  const width = WIDTHS.find((step) => step >= devicePx * 0.92);
+  return width === undefined || width >= originalPx ? undefined : width;
+}
+
+/** Cut-outs of original pictures, a few at a time, the newest asked for first. */
+export class CropStore {
+  private readonly crops = new LeastRecentlyUsed<string, Promise<ImageBitmap | null>>(CROPS_KEPT);
+  private readonly queue: (() => Promise<void>)[] = [];
+  private running = 0;
+
+  constructor(private readonly driveId: number) {}
+
+  get(frame: number, camera: string, window: Window): Promise<ImageBitmap | null> {
+    const rect = [window.x, window.y, window.width, window.height].map(Math.round) as [number, number, number, number];
+    const key = `${frame}/${camera}/${rect.join()}`;
+    const known = this.crops.get(key);
+    if (known) return known;
+    const crop = new Promise<ImageBitmap | null>((resolve, reject) => {
+      this.queue.push(async () => {
+        try {
+          const blob = await fetchPicture(imageUrl(this.driveId, frame, camera));
+          resolve(blob && (await createImageBitmap(blob, ...rect)));
+        } catch (cause) {
+          reject(cause);
+        }
+      });
+    });
+    this.crops.set(key, crop);
+    crop.catch(() => this.crops.clear());
+    this.pump();
+    return crop;
+  }
+
+  private pump(): void {
+    while (this.running < CROPS_AT_ONCE) {
+      const job = this.queue.pop();
+      if (!job) return;
+      this.running += 1;
+      void job().finally(() => {
+        this.running -= 1;
+        this.pump();
+      });
+    }
+  }
+}

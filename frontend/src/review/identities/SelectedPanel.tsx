@@ -1,0 +1,175 @@
+import { Button, Stack, Text } from "@mantine/core";
+import { IconCrosshair, IconPointer } from "@tabler/icons-react";
+import { useQuery } from "@tanstack/react-query";
+import { identitiesQuery, tracksQuery } from "../../api/queries";
+import type { Identity, Observation } from "../../api/types";
+import { score } from "../../app/format";
+import { Notice } from "../../app/Notice";
+import { text } from "../../strings";
+import { Crop } from "../cameras/Crop";
+import { identityColour } from "../cameras/palette";
+import { useCommitted, useReview, useShared } from "../ReviewContext";
+import { useObservationsAt } from "../useObservationsAt";
+import { nearestFrame } from "./nearestFrame";
+import classes from "./SelectedPanel.module.css";
+
+const PANEL_SPACE_PX = 34;
+
+/** The selected identities, each with where its label comes from. */
+export function SelectedPanel({ width }: { width: number }) {
+  const { driveId } = useShared();
+  const identityIds = useReview((state) => state.identityIds);
+  const { data } = useQuery(identitiesQuery(driveId));
+  if (identityIds.length === 0) {
+    return (
+      <Notice icon={<IconPointer size={28} stroke={1.4} />} title={text.identities.nothingSelected}>
+        {text.identities.nothingSelectedHint}
+      </Notice>
+    );
+  }
+  if (!data) return null;
+  return (
+    <div className={classes.scroller}>
+      {identityIds.map((id) => {
+        const identity = data.find((one) => one.id === id);
+        return identity ? (
+          <IdentityDetail key={id} identity={identity} width={width} />
+        ) : (
+          <Text key={id} p="md" c="var(--muted)" size="sm">
+            #{id}: {text.identities.gone}
+          </Text>
+        );
+      })}
+    </div>
+  );
+}
+
+function IdentityDetail({ identity, width }: { identity: Identity; width: number }) {
+  const { driveId, store } = useShared();
+  const committed = useCommitted();
+  const tracks = useQuery(tracksQuery(driveId)).data?.filter((track) => track.identity_id === identity.id) ?? [];
+  const own = identity.observation_count - identity.propagated_count;
+  const here = largest(committed?.observations.filter((one) => one.identity_id === identity.id) ?? []);
+  const nearest = here ? null : nearestFrame(tracks, committed?.frame ?? 0);
+  return (
+    <section className={classes.identity} aria-label={`#${identity.id} ${identity.class_name}`}>
+      <header className={classes.head}>
+        <span className={classes.swatch} style={{ background: identityColour(identity.id) }} />
+        <h3 className={classes.title}>
+          #{identity.id} {identity.class_name}
+        </h3>
+        <span className={classes.score}>{score(identity.score)}</span>
+      </header>
+      <Text size="xs" c="var(--muted)">
+        {text.identities.labels(own, identity.propagated_count)}
+      </Text>
+
+      <h4 className={classes.heading}>{text.identities.labelFrom}</h4>
+      <Lineage identity={identity} here={here} width={width} />
+      {nearest !== null && (
+        <Button size="compact-xs" variant="default" onClick={() => store.getState().seek(nearest)}>
+          {text.identities.goToFrame}
+        </Button>
+      )}
+
+      <h4 className={classes.heading}>{text.identities.tracks}</h4>
+      <Stack gap={2} component="ul" className={classes.tracks}>
+        {tracks.map((track) => (
+          <li key={track.id}>
+            <button
+              type="button"
+              className={classes.track}
+              aria-label={text.identities.goToTrack(track.id)}
+              onClick={() => store.getState().seek(track.best_frame ?? track.first_frame)}
+            >
+              <span>{track.camera}</span>
+              <span className={classes.quiet}>{text.identities.trackFrames(track.first_frame, track.last_frame)}</span>
+              <span className={classes.quiet}>
+                {track.class_name} {score(track.best_score)}
+              </span>
+            </button>
+          </li>
+        ))}
+      </Stack>
+    </section>
+  );
+}
+
+/** The donor's crop beside the crop of now: the near look that labels the far one. */
+function Lineage({ identity, here, width }: { identity: Identity; here: Observation | null; width: number }) {
+  const { store } = useShared();
+  const committed = useCommitted();
+  const donor = identity.donor;
+  const atDonor = useObservationsAt(donor?.frame_index ?? null);
+  if (!donor) return <Text size="sm">{text.identities.noDonor}</Text>;
+  const donorBox = atDonor && (atDonor.find((one) => one.id === donor.observation_id)?.box ?? null);
+  const size = Math.floor((width - PANEL_SPACE_PX - 30) / 2);
+  const height = Math.round(Math.min(size * 0.75, 280));
+  return (
+    <div className={classes.lineage}>
+      <figure className={classes.look}>
+        <Crop
+          frame={donor.frame_index}
+          camera={donor.camera}
+          box={donorBox}
+          identityId={identity.id}
+          width={size}
+          height={height}
+          emptyText={text.merges.noCrop}
+          alt={text.identities.donor}
+        />
+        <figcaption>
+          <b>{text.identities.donor}</b>
+          <span className={classes.quiet}>
+            {donor.camera}, {text.merges.atFrame(donor.frame_index)}, {score(donor.score)}
+          </span>
+          <Button
+            size="compact-xs"
+            mt={4}
+            variant="light"
+            leftSection={<IconCrosshair size={13} />}
+            onClick={() => store.getState().seek(donor.frame_index)}
+          >
+            {text.identities.goToDonor}
+          </Button>
+        </figcaption>
+      </figure>
+      <span className={classes.arrow} aria-hidden>
+        →
+      </span>
+      <figure className={classes.look}>
+        <Crop
+          frame={committed?.frame ?? 0}
+          camera={here?.camera ?? ""}
+          box={here?.box ?? null}
+          identityId={identity.id}
+          width={size}
+          height={height}
+          emptyText={text.identities.notInFrame}
+          alt={text.identities.now}
+        />
+        <figcaption>
+          <b>{text.identities.now}</b>
+          {here && (
+            <span className={classes.quiet}>
+              {here.camera}, {nowSays(here)}
+            </span>
+          )}
+        </figcaption>
+      </figure>
+    </div>
+  );
+}
+
+function nowSays(here: Observation): string {
+  if (here.label.source !== "propagated") return text.identities.ownLabel;
+  return here.score === null ? text.cameras.notDetected : text.cameras.detectorSaid(here.class_name, score(here.score));
+}
+
+function largest(observations: readonly Observation[]): Observation | null {
+  const area = ([x1 = 0, y1 = 0, x2 = 0, y2 = 0]: readonly number[]) => (x2 - x1) * (y2 - y1);
+  return observations.reduce<Observation | null>(
+    (best, one) => (!best || area(one.box) > area(best.box) ? one : best),
+    null,
+  );
+}

@@ -1,0 +1,122 @@
+import { SegmentedControl, Skeleton, Stack } from "@mantine/core";
+import { IconChecks, IconGitMerge } from "@tabler/icons-react";
+import { useQuery } from "@tanstack/react-query";
+import { useVirtualizer } from "@tanstack/react-virtual";
+import { useEffect, useMemo, useRef } from "react";
+import { messageOf } from "../../api/client";
+import { mergesQuery } from "../../api/queries";
+import type { MergeState } from "../../api/types";
+import { count } from "../../app/format";
+import { Notice } from "../../app/Notice";
+import { text } from "../../strings";
+import { useReview, useShared } from "../ReviewContext";
+import { MergeCard } from "./MergeCard";
+import classes from "./MergesPanel.module.css";
+import { mergesOf } from "./order";
+import { useDecisions } from "./useDecisions";
+
+const STATES: MergeState[] = ["proposed", "accepted", "rejected"];
+const NONE: Record<MergeState, string> = {
+  proposed: text.merges.noneProposed,
+  accepted: text.merges.noneAccepted,
+  rejected: text.merges.noneRejected,
+};
+
+interface MergesPanelProps {
+  shown: MergeState;
+  onShow: (state: MergeState) => void;
+  width: number;
+}
+
+/** The queue of merges: decide what is proposed, look again at what is decided. */
+export function MergesPanel({ shown, onShow, width }: MergesPanelProps) {
+  const { driveId } = useShared();
+  const { data, error, refetch, isPending } = useQuery(mergesQuery(driveId));
+  const mergeId = useReview((state) => state.mergeId);
+  const { decide, open } = useDecisions();
+  const scroller = useRef<HTMLDivElement>(null);
+  const list = useMemo(() => mergesOf(data ?? [], shown), [data, shown]);
+
+  const rows = useVirtualizer({
+    count: list.length,
+    getScrollElement: () => scroller.current,
+    estimateSize: (index) => (list[index]?.id === mergeId ? 300 : 92),
+    getItemKey: (index) => list[index]?.id ?? index,
+    overscan: 4,
+  });
+
+  const openAt = list.findIndex((merge) => merge.id === mergeId);
+  useEffect(() => {
+    if (openAt >= 0) rows.scrollToIndex(openAt, { align: "auto" });
+  }, [openAt, rows]);
+
+  // A merge opened by an address or by undo shows its own list.
+  const openState = data?.find((merge) => merge.id === mergeId)?.state;
+  useEffect(() => {
+    if (openState) onShow(openState);
+  }, [openState, onShow]);
+
+  if (error && !data)
+    return (
+      <Notice title={text.merges.loadFailed} onRetry={() => void refetch()} role="alert">
+        {messageOf(error)}
+      </Notice>
+    );
+  if (isPending) {
+    return (
+      <Stack p="sm" gap="sm">
+        {[0, 1, 2, 3].map((row) => (
+          <Skeleton key={row} h={84} />
+        ))}
+      </Stack>
+    );
+  }
+  if (data.length === 0) return <Notice icon={<IconGitMerge size={28} stroke={1.4} />} title={text.merges.noneAtAll} />;
+
+  return (
+    <div className={classes.panel}>
+      <SegmentedControl
+        className={classes.states}
+        size="xs"
+        fullWidth
+        aria-label={text.merges.show}
+        value={shown}
+        onChange={(value) => onShow(value as MergeState)}
+        data={STATES.map((state) => ({
+          value: state,
+          label: `${text.merges.states[state]} ${count(mergesOf(data, state).length)}`,
+        }))}
+      />
+      {list.length === 0 ? (
+        <Notice icon={<IconChecks size={28} stroke={1.4} />} title={NONE[shown]} />
+      ) : (
+        <div ref={scroller} className={classes.scroller}>
+          <ol className={classes.list} style={{ height: rows.getTotalSize() }}>
+            {rows.getVirtualItems().map((row) => {
+              const merge = list[row.index];
+              return (
+                merge && (
+                  <li
+                    key={row.key}
+                    ref={rows.measureElement}
+                    data-index={row.index}
+                    className={classes.row}
+                    style={{ transform: `translateY(${row.start}px)` }}
+                  >
+                    <MergeCard
+                      merge={merge}
+                      open={merge.id === mergeId}
+                      onOpen={() => open(merge)}
+                      onDecide={(decision) => decide(merge, decision)}
+                      width={width}
+                    />
+                  </li>
+                )
+              );
+            })}
+          </ol>
+        </div>
+      )}
+    </div>
+  );
+}

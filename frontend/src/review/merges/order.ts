@@ -1,0 +1,29 @@
+/** Which merge comes next, and what the list shows. */
+
+import type { Merge, MergeState } from "../../api/types";
+
+/** Merges of a state, the surest first; of equal score the one that changes more labels. */
+export function mergesOf(merges: readonly Merge[], state: MergeState): Merge[] {
+  return merges
+    .filter((merge) => merge.state === state)
+    .sort((a, b) => b.score - a.score || b.label_count - a.label_count || a.id - b.id);
+}
+
+/** The merge `step` places after the given one; at an end, that end. Without a current one, the first. */
+export function stepMerge(list: readonly Merge[], currentId: number | null, step: 1 | -1): Merge | null {
+  const at = list.findIndex((merge) => merge.id === currentId);
+  if (at < 0) return list[0] ?? null;
+  return list[Math.min(list.length - 1, Math.max(0, at + step))] ?? null;
+}
+
+/** After a decision: the merge that takes the place of the decided one in its list, or the one before at the end. */
+export function afterDecision(list: readonly Merge[], decidedId: number): Merge | null {
+  const at = list.findIndex((merge) => merge.id === decidedId);
+  const rest = list.filter((merge) => merge.id !== decidedId);
+  return rest[Math.min(Math.max(at, 0), rest.length - 1)] ?? null;
+}
+
+/** The frame at which the evidence is best; null if no frame holds both. */
+export function bestFrame(merge: Merge): number | null {
+  return merge.best_frames[0]?.frame_index ?? null;
+}

@@ -1,0 +1,108 @@
+/** Accept, reject, undo: shown at once, saved behind it, taken back with the server's sentence if it refuses. */
+
+import { notifications } from "@mantine/notifications";
+import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
+import { useCallback, useMemo } from "react";
+import { create } from "zustand";
+import { ApiError, api, messageOf, unwrap } from "../../api/client";
+import { mergesKey, mergesQuery } from "../../api/queries";
+import type { Merge, MergeState } from "../../api/types";
+import { text } from "../../strings";
+import { useShared } from "../ReviewContext";
+import { afterDecision, bestFrame, mergesOf } from "./order";
+
+export type Decision = "accept" | "reject" | "undo";
+
+const STATE_AFTER: Record<Decision, MergeState> = { accept: "accepted", reject: "rejected", undo: "proposed" };
+
+/** Why the server refused a decision, by merge; shown on its card until the next try. */
+export const useRefusals = create<{ byMerge: Record<number, string>; set: (id: number, why: string | null) => void }>()(
+  (set) => ({
+    byMerge: {},
+    set: (id, why) =>
+      set(({ byMerge: { [id]: _, ...rest } }) => ({ byMerge: why === null ? rest : { ...rest, [id]: why } })),
+  }),
+);
+
+function post(decision: Decision, mergeId: number) {
+  const at = { params: { path: { merge_id: mergeId } } };
+  if (decision === "accept") return unwrap(api.POST("/api/merges/{merge_id}/accept", at));
+  if (decision === "reject") return unwrap(api.POST("/api/merges/{merge_id}/reject", at));
+  return unwrap(api.POST("/api/merges/{merge_id}/undo", at));
+}
+
+export function useMerges(): readonly Merge[] {
+  const { driveId } = useShared();
+  return useQuery(mergesQuery(driveId)).data ?? [];
+}
+
+export function useDecisions() {
+  const { driveId, store, frames, observations } = useShared();
+  const client = useQueryClient();
+  const key = mergesKey(driveId);
+  const mutationKey = useMemo(() => ["decide", driveId], [driveId]);
+
+  const open = useCallback(
+    (merge: Merge) => {
+      store.getState().selectMerge(merge.id, [merge.identity_a, merge.identity_b], bestFrame(merge));
+    },
+    [store],
+  );
+
+  const replace = (merge: Merge) =>
+    client.setQueryData<Merge[]>(key, (all) => all?.map((one) => (one.id === merge.id ? merge : one)));
+
+  const { mutate } = useMutation({
+    mutationKey,
+    scope: { id: `decide-${driveId}` },
+    mutationFn: ({ merge, decision }: { merge: Merge; decision: Decision }) => post(decision, merge.id),
+    onSuccess: (change, { decision, merge }) => {
+      replace(change.merge);
+      observations.invalidate(change.revision);
+      frames.refreshObservations();
+      const { decided, setDecided, mergeId, select } = store.getState();
+      setDecided(decision === "undo" ? decided.filter((id) => id !== merge.id) : [...decided, merge.id]);
+      if (mergeId === null) select(change.identity_ids);
+    },
+    onError: (cause, { merge }) => {
+      replace(merge);
+      const conflict = cause instanceof ApiError && cause.status === 409;
+      useRefusals.getState().set(merge.id, messageOf(cause));
+      open(merge);
+      if (!conflict) notifications.show({ color: "red", title: text.merges.failed, message: messageOf(cause) });
+    },
+    onSettled: async () => {
+      // Others may be on their way: the last one asks for the whole truth, or it would undo what they show.
+      if (client.isMutating({ mutationKey }) === 1) await client.invalidateQueries({ queryKey: ["drive", driveId] });
+    },
+  });
+
+  const decide = (merge: Merge, decision: Decision) => {
+    if (merge.state === STATE_AFTER[decision]) return;
+    void client.cancelQueries({ queryKey: key });
+    useRefusals.getState().set(merge.id, null);
+    const all = client.getQueryData<Merge[]>(key) ?? [];
+    const shown = mergesOf(all, merge.state);
+    const decided: Merge = { ...merge, state: STATE_AFTER[decision], decided_by: "person" };
+    replace(decided);
+    if (decision === "undo") open(decided);
+    else if (store.getState().mergeId === merge.id) {
+      const next = afterDecision(shown, merge.id);
+      if (next) open(next);
+      else store.setState({ mergeId: null });
+    }
+    mutate({ merge, decision });
+  };
+
+  /** Undoes the open merge if it is decided, otherwise the latest decision of this visit. */
+  const undoLast = () => {
+    const all = client.getQueryData<Merge[]>(key) ?? [];
+    const { mergeId, decided } = store.getState();
+    const openMerge = all.find((merge) => merge.id === mergeId);
+    const last = all.find((merge) => merge.id === decided.at(-1));
+    const merge = openMerge && openMerge.state !== "proposed" ? openMerge : last;
+    if (merge && merge.state !== "proposed") decide(merge, "undo");
+  };
+
+  return { decide, undoLast, open };
+}

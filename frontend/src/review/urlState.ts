@@ -1,0 +1,38 @@
+/** What of the page lives in its address: the frame, the selected identities, the open tab and the open merge. */
+
+export type Tab = "merges" | "identities" | "selected" | "export";
+export const TABS: readonly Tab[] = ["merges", "identities", "selected", "export"];
+
+export interface UrlState {
+  frame: number;
+  identityIds: number[];
+  tab: Tab;
+  mergeId: number | null;
+}
+
+function wholeNumber(value: string | null): number | null {
+  return value !== null && /^\d{1,9}$/.test(value) ? Number(value) : null;
+}
+
+/** Reads an address; whatever it cannot make sense of is as if it were not there. Frames in it count from 0. */
+export function readUrl(search: string): UrlState {
+  const query = new URLSearchParams(search);
+  const ids = (query.get("identity") ?? "").split(",").map((part) => wholeNumber(part));
+  const tab = query.get("tab") as Tab | null;
+  return {
+    frame: wholeNumber(query.get("frame")) ?? 0,
+    identityIds: [...new Set(ids.filter((id) => id !== null))],
+    tab: tab && TABS.includes(tab) ? tab : "merges",
+    mergeId: wholeNumber(query.get("merge")),
+  };
+}
+
+/** Writes what differs from a fresh page. */
+export function writeUrl(state: UrlState): string {
+  const parts: string[] = [];
+  if (state.frame !== 0) parts.push(`frame=${state.frame}`);
+  if (state.identityIds.length > 0) parts.push(`identity=${state.identityIds.join(",")}`);
+  if (state.tab !== "merges") parts.push(`tab=${state.tab}`);
+  if (state.mergeId !== null) parts.push(`merge=${state.mergeId}`);
+  return parts.length > 0 ? `?${parts.join("&")}` : "";
+}
