@@ -23,7 +23,7 @@ from labeler.lidar.config import LidarConfig
 from labeler.lidar.painting import PaintedPoints, View
 
 _DEEPER_SPREAD = 0.35
-_NEARER_SPREAD = 0.7
+_NEARER_SPREAD = 0.5
 _LONGER = 1.4
 
 

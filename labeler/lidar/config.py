@@ -48,7 +48,7 @@ class LidarConfig:
     ground_cell_m: float = 2.0
     ground_slope: float = 0.2
     ground_bend: float = 0.05
-    ground_tolerance_m: float = 0.2
+    ground_tolerance_m: float = 0.1
     ground_clearance_m: float = 0.3
     cluster_gap_m: float = 0.4
     cluster_gap_per_m: float = 0.008

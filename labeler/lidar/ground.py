@@ -1,10 +1,10 @@
 """Where the ground is under each point of a sweep, for a rig of any height and on slopes.
 
-Seen from above, the sweep is cut into cells, from coarse to fine. The lowest point of a coarse cell is nearly always
-ground, even in traffic. Each finer level starts from the surface of the coarser one and takes over its own lowest
-points, unless they stand higher above that surface than a road can rise within the cell: those are the undersides of
-things that hide the ground. At the end the surface moves up from the lowest points to the mean of the points close to
-it. So the ground under and behind a vehicle is carried on from where it is seen.
+Seen from above, the sweep is cut into cells, from coarse to fine. Low points of a coarse cell are nearly always ground,
+even in traffic. Each finer level starts from the surface of the coarser one and takes over its own lowest points,
+unless they stand higher above that surface than a road can rise within the cell (those are the undersides of things
+that hide the ground), or far below it (those are mirror images). At the end the surface moves up from the lowest points
+to the mean of the points close to it. So the ground under and behind a vehicle is carried on from where it is seen.
 
 The idea of going from coarse to fine under a threshold is that of the progressive filters for airborne LiDAR (Zhang et
 al., A progressive morphological filter for removing nonground measurements from airborne LiDAR data, TGRS 2003).
@@ -21,7 +21,8 @@ from scipy import ndimage
 from labeler.lidar.config import LidarConfig
 
 _LEVELS = 4
-_STRAY_DEPTH_M = 1.0
+_EVERY = 3
+_STRAY_DEPTH_M = 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,15 +40,22 @@ class Ground:
         edge.
         """
         cells = len(self.height_m)
-        place = np.asarray(xy_m, np.float32) / np.float32(self.cell_m) + np.float32(cells / 2 - 0.5)
-        place = np.clip(np.nan_to_num(place), 0, cells - 1.001)
-        low = place.astype(np.intp)
-        share_x, share_y = (place - low).T
+        low_x, share_x = self._place(xy_m[:, 0])
+        low_y, share_y = self._place(xy_m[:, 1])
         flat = self.height_m.ravel()
-        corner = low[:, 0] * cells + low[:, 1]
-        near = flat[corner] * (1 - share_y) + flat[corner + 1] * share_y
-        far = flat[corner + cells] * (1 - share_y) + flat[corner + cells + 1] * share_y
-        return (near * (1 - share_x) + far * share_x).astype(np.float32, copy=False)
+        corner = low_x * cells + low_y
+        near = flat[corner] + (flat[corner + 1] - flat[corner]) * share_y
+        corner += cells
+        far = flat[corner] + (flat[corner + 1] - flat[corner]) * share_y
+        return (near + (far - near) * share_x).astype(np.float32, copy=False)
+
+    def _place(self, value_m: NDArray[np.floating]) -> tuple[NDArray[np.intp], NDArray[np.float32]]:
+        """Between which middles of cells a coordinate lies: the lower one, and the share of the way to the next."""
+        cells = len(self.height_m)
+        place = value_m.astype(np.float32, copy=False) / np.float32(self.cell_m) + np.float32(cells / 2 - 0.5)
+        place = np.clip(np.nan_to_num(place), np.float32(0), np.float32(cells - 1.001))
+        low = place.astype(np.intp)
+        return low, (place - low).astype(np.float32, copy=False)
 
 
 def estimate_ground(xyz_m: NDArray[np.float32], config: LidarConfig) -> Ground:
@@ -58,15 +66,16 @@ def estimate_ground(xyz_m: NDArray[np.float32], config: LidarConfig) -> Ground:
     if not inside.any():
         return Ground(np.full((2 * half, 2 * half), np.nan, np.float32), config.ground_cell_m)
     z_m = xyz_m[inside, 2]
-    levels = [_without_strays(_lowest_by_cell(cell, z_m, half), config)]
-    for _ in range(_LEVELS - 1):
-        levels.append(_pooled(levels[-1]))
+    levels = [_lowest_by_cell(cell, z_m, half)]
+    for level in range(_LEVELS - 1):
+        levels.append(_pooled(levels[-1], config.ground_cell_m * 2**level, config))
     surface = _coarsest_surface(levels[-1], config.ground_cell_m * coarsest, config)
     for level in range(_LEVELS - 2, -1, -1):
         surface = _refined(surface, levels[level], config.ground_cell_m * 2**level, config)
     ground = Ground(surface, config.ground_cell_m)
-    residual_m = z_m - ground.at(xyz_m[inside, :2])
-    return Ground(surface + _mean_residual(cell, residual_m, half, config), config.ground_cell_m)
+    some = np.flatnonzero(inside)[::_EVERY]
+    residual_m = xyz_m[some, 2] - ground.at(xyz_m[some, :2])
+    return Ground(surface + _mean_residual(cell[::_EVERY], residual_m, half, config), config.ground_cell_m)
 
 
 def above_ground(xyz_m: NDArray[np.floating], ground: Ground, config: LidarConfig) -> NDArray[np.bool_]:
@@ -77,10 +86,10 @@ def above_ground(xyz_m: NDArray[np.floating], ground: Ground, config: LidarConfi
 
 def _cells_of(xyz_m: NDArray[np.float32], half: int, cell_m: float) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
     """The flat index of the cell of each point inside of the grid, and which points these are."""
-    place = np.floor(xyz_m[:, :2] / np.float32(cell_m)) + half
-    inside = (place >= 0).all(axis=1) & (place < 2 * half).all(axis=1) & np.isfinite(xyz_m[:, 2])
-    index = place[inside].astype(np.intp)
-    return index[:, 0] * (2 * half) + index[:, 1], inside
+    x = np.floor(xyz_m[:, 0] / np.float32(cell_m)) + half
+    y = np.floor(xyz_m[:, 1] / np.float32(cell_m)) + half
+    inside = (x >= 0) & (x < 2 * half) & (y >= 0) & (y < 2 * half) & np.isfinite(xyz_m[:, 2])
+    return x[inside].astype(np.intp) * (2 * half) + y[inside].astype(np.intp), inside
 
 
 def _lowest_by_cell(cell: NDArray[np.intp], z_m: NDArray[np.float32], half: int) -> NDArray[np.float32]:
@@ -90,26 +99,26 @@ def _lowest_by_cell(cell: NDArray[np.intp], z_m: NDArray[np.float32], half: int)
     return lowest.reshape(2 * half, 2 * half)
 
 
-def _without_strays(lowest: NDArray[np.float32], config: LidarConfig) -> NDArray[np.float32]:
-    """A cell far below everything around it holds a mirror image: it takes the height of the next lowest cell."""
-    second = ndimage.rank_filter(lowest, rank=1, size=5, mode="nearest")
-    may_fall_m = _STRAY_DEPTH_M + config.ground_slope * 2 * config.ground_cell_m
-    stray = np.isfinite(second) & (lowest < second - may_fall_m)
-    return np.where(stray, second, lowest)
-
-
-def _pooled(lowest: NDArray[np.float32]) -> NDArray[np.float32]:
-    """The lowest of each two by two cells."""
+def _pooled(lowest: NDArray[np.float32], cell_m: float, config: LidarConfig) -> NDArray[np.float32]:
+    """The lowest of each two by two cells, or the second lowest where that one lies much higher: then the lowest holds
+    a mirror image of what stands above the ground.
+    """
     cells = len(lowest) // 2
-    return lowest.reshape(cells, 2, cells, 2).min(axis=(1, 3))
+    blocks = lowest.reshape(cells, 2, cells, 2).swapaxes(1, 2).reshape(cells, cells, 4)
+    ordered = np.sort(blocks, axis=2)
+    first, second = ordered[..., 0], ordered[..., 1]
+    may_fall_m = np.float32(_STRAY_DEPTH_M + config.ground_slope * cell_m)
+    return np.where(np.isfinite(second) & (second > first + may_fall_m), second, first)
 
 
 def _coarsest_surface(lowest: NDArray[np.float32], cell_m: float, config: LidarConfig) -> NDArray[np.float32]:
-    """The lowest points, cut where they rise above all neighbours by more than a road can, without gaps."""
+    """The coarsest cells without gaps, none farther from the median of its neighbours than a road can rise."""
+    empty = ~np.isfinite(lowest)
+    nearest = ndimage.distance_transform_edt(empty, return_distances=False, return_indices=True)
+    filled = lowest[tuple(nearest)]
+    usual = ndimage.median_filter(filled, size=3, mode="nearest")
     rise_m = np.float32(config.ground_slope * cell_m)
-    lowest = np.minimum(lowest, ndimage.minimum_filter(lowest, 3, mode="nearest") + rise_m)
-    nearest = ndimage.distance_transform_edt(~np.isfinite(lowest), return_distances=False, return_indices=True)
-    return lowest[tuple(nearest)]
+    return np.clip(filled, usual - rise_m, usual + rise_m)
 
 
 def _refined(
@@ -123,6 +132,7 @@ def _refined(
     to_middle = np.minimum((np.abs(rise_x) + np.abs(rise_y)) / 2, config.ground_slope * cell_m)
     candidate = lowest + to_middle.astype(np.float32)
     usable = candidate <= surface + np.float32(config.ground_tolerance_m + config.ground_bend * cell_m)
+    usable &= candidate >= surface - np.float32(config.ground_tolerance_m + config.ground_slope * cell_m)
     return np.where(usable, candidate, surface).astype(np.float32, copy=False)
 
 
@@ -142,7 +152,7 @@ def _mean_residual(
     cell: NDArray[np.intp], residual_m: NDArray[np.float32], half: int, config: LidarConfig
 ) -> NDArray[np.float32]:
     """(2 half, 2 half) mean height over the surface of the points close to it, in each cell's neighbourhood."""
-    close = np.abs(residual_m) <= config.ground_clearance_m + config.ground_tolerance_m
+    close = np.abs(residual_m) <= config.ground_clearance_m
     size = 4 * half * half
     count = np.bincount(cell[close], minlength=size).astype(np.float32).reshape(2 * half, 2 * half)
     total = np.bincount(cell[close], residual_m[close], size).astype(np.float32).reshape(2 * half, 2 * half)

@@ -97,7 +97,7 @@ def paint_points(xyz_m: NDArray[np.float32], detections: Detections, view: View,
         pixel=pixel[point],
         depth_m=depth_m[point],
         detection_index=strong[box].astype(np.int32),
-        score=detections.score[strong[box]].astype(np.float32) * _mask(pixel[point], boxes_px[box]),
+        score=detections.score[strong[box]].astype(np.float32) * _mask(pixel[point], boxes_px, box),
     )
 
 
@@ -122,9 +122,11 @@ def _in_any_box(
     high = np.clip(np.floor(boxes_px[:, 2:] / _COARSE_PX) + 1, 0, (width, height)).astype(int)
     for (x1, y1), (x2, y2) in zip(low.tolist(), high.tolist(), strict=True):
         drawing[y1:y2, x1:x2] = True
-    inside = (pixel >= 0).all(axis=1) & (pixel[:, 0] < size_px[0]) & (pixel[:, 1] < size_px[1])
-    cell = np.where(inside[:, None], pixel, 0).astype(np.intp) // _COARSE_PX
-    return inside & drawing[cell[:, 1], cell[:, 0]]
+    x, y = pixel[:, 0], pixel[:, 1]
+    inside = (x >= 0) & (y >= 0) & (x < size_px[0]) & (y < size_px[1])
+    covered = np.zeros(len(pixel), np.bool_)
+    covered[inside] = drawing[y[inside].astype(np.intp) // _COARSE_PX, x[inside].astype(np.intp) // _COARSE_PX]
+    return covered
 
 
 def _pairs(pixel: NDArray[np.float32], boxes_px: NDArray[np.float32]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
@@ -141,9 +143,10 @@ def _widened(boxes_px: NDArray[np.float32], margin: float) -> NDArray[np.float32
     return boxes_px + margin * longer_px * np.array([-1, -1, 1, 1], np.float32)
 
 
-def _mask(pixel: NDArray[np.float32], boxes_px: NDArray[np.float32]) -> NDArray[np.float32]:
+def _mask(pixel: NDArray[np.float32], boxes_px: NDArray[np.float32], box: NDArray[np.intp]) -> NDArray[np.float32]:
     """(M,) how surely a pixel shows the object: 1 in the middle of its box, exp(-2) in the corners, 0 outside."""
     middle = (boxes_px[:, :2] + boxes_px[:, 2:]) / 2
     half = np.maximum((boxes_px[:, 2:] - boxes_px[:, :2]) / 2, 0.5)
-    off = np.square((pixel - middle) / half)
-    return np.where(off.max(axis=1, initial=0) <= 1, np.exp(-off.sum(axis=1)), np.float32(0))
+    off = np.square((pixel - middle[box]) / half[box])
+    inside = (off[:, 0] <= 1) & (off[:, 1] <= 1)
+    return np.where(inside, np.exp(-(off[:, 0] + off[:, 1])), np.float32(0))
