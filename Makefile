@@ -53,9 +53,9 @@ bench: $(READY) ## measure the pipeline against bare inference: make bench DRIVE
 	@$(BIN)/hindsight benchmark pipeline "$(DRIVE)" --model "$(MODEL)"
 
 openapi: $(READY) ## write frontend/openapi.json and the page's typed client again
-	$(BIN)/hindsight openapi > .make/openapi.json
+	$(BIN)/hindsight openapi .make/openapi.json
 	mv .make/openapi.json frontend/openapi.json
-	$(PAGE) npm run openapi
+	$(PAGE) npm run generate
 
 frontend: $(READY) ## build the page into app/static, if its sources changed
 	@$(PAGE) build

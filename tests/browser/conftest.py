@@ -1,0 +1,117 @@
+"""A real headless Chromium, and a real server for it to open.
+
+Tests that ask for the browser skip where there is no Chromium, with HINDSIGHT_REQUIRE_BROWSER=1 they fail. It is the
+system's own: Playwright's download is not used.
+"""
+
+import os
+import queue
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import IO
+
+import pytest
+from playwright.sync_api import Browser, Page, sync_playwright
+
+PROGRAMS = ("chromium", "chromium-browser", "google-chrome")
+ANSWER_SECONDS = 60.0
+REPOSITORY = Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture(scope="session")
+def chromium_program() -> str:
+    """Where the system's Chromium lies."""
+    for name in PROGRAMS:
+        program = shutil.which(name)
+        if program is not None:
+            return program
+    reason = f"needs Chromium ({', '.join(PROGRAMS)}), which is not on this machine; Debian: apt-get install chromium"
+    if os.environ.get("HINDSIGHT_REQUIRE_BROWSER") == "1":
+        pytest.fail(reason)
+    pytest.skip(reason)
+
+
+@pytest.fixture(scope="session")
+def browser(chromium_program: str) -> Iterator[Browser]:
+    """Headless Chromium that draws WebGL in software."""
+    arguments = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+    if os.geteuid() == 0:
+        arguments.append("--no-sandbox")  # Chromium refuses its sandbox to root
+    with sync_playwright() as playwright:
+        started = playwright.chromium.launch(executable_path=chromium_program, args=arguments)
+        yield started
+        started.close()
+
+
+@pytest.fixture
+def page(browser: Browser) -> Iterator[Page]:
+    """An empty tab in a profile of its own. The test fails when the page throws an error that nobody catches."""
+    context = browser.new_context(viewport={"width": 1600, "height": 1000}, color_scheme="light")
+    tab = context.new_page()
+    errors: list[str] = []
+    tab.on("pageerror", lambda error: errors.append(str(error)))
+    yield tab
+    context.close()
+    assert errors == []
+
+
+@contextmanager
+def serving(workspace: Path, *arguments: str) -> Iterator[str]:
+    """``hindsight serve`` on a free port while the block runs; gives its address."""
+    environment = {name: value for name, value in os.environ.items() if not name.startswith("HINDSIGHT_")}
+    process = subprocess.Popen(
+        [sys.executable, "-m", "app", "serve", "--port", "0", "--workspace", str(workspace), *arguments],
+        cwd=REPOSITORY,
+        env=environment | {"PYTHONUNBUFFERED": "1"},
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
+    assert process.stdout is not None
+    lines: queue.Queue[str | None] = queue.Queue()
+    reader = threading.Thread(target=_read_lines, args=(process.stdout, lines))
+    reader.start()
+    try:
+        yield _address(lines)
+    finally:
+        process.send_signal(signal.SIGINT)
+        try:
+            process.wait(30)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+        reader.join()
+        process.stdout.close()
+
+
+@pytest.fixture
+def serve(tmp_path: Path) -> Iterator[Callable[..., str]]:
+    """Starts ``hindsight serve`` with more arguments on an empty workspace and gives its address; it ends with the test."""
+    with ExitStack() as running:
+        yield lambda *arguments: running.enter_context(serving(tmp_path / "workspace", *arguments))
+
+
+def _read_lines(stream: IO[str], lines: queue.Queue[str | None]) -> None:
+    for line in stream:
+        lines.put(line)
+    lines.put(None)
+
+
+def _address(lines: queue.Queue[str | None]) -> str:
+    said: list[str] = []
+    while True:
+        line = lines.get(timeout=ANSWER_SECONDS)
+        if line is None:
+            pytest.fail(f"hindsight serve ended at once: {''.join(said)}")
+        said.append(line)
+        address = re.search(r"http://[^\s/]+", line)
+        if address is not None:
+            return address[0]
