@@ -94,7 +94,7 @@ def serving(workspace: Path, *arguments: str) -> Iterator[str]:
 
 @pytest.fixture
 def serve(tmp_path: Path) -> Iterator[Callable[..., str]]:
-    """Starts ``hindsight serve`` with more arguments on an empty workspace and gives its address; it ends with the test."""
+    """Starts ``hindsight serve`` with more arguments on an empty workspace, until the test ends; gives its address."""
     with ExitStack() as running:
         yield lambda *arguments: running.enter_context(serving(tmp_path / "workspace", *arguments))
 
