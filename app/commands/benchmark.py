@@ -7,7 +7,8 @@ import typer
 
 from app.commands.label import label_settings, require_model
 from app.commands.options import AsJson, DriveFolder, InputSize, ModelFile, SceneName
-from app.commands.terminal import clear_errors, say
+from app.commands.terminal import say
+from app.settings import load_settings
 from labeler.drive import open_drive
 from labeler.pipeline.benchmark import benchmark_pipeline, repeat_frames
 
@@ -30,9 +31,9 @@ def pipeline(
     as_json: AsJson = False,
 ) -> None:
     """Time the whole pipeline beside the bare loop: decode each image and run the model on it."""
-    with clear_errors():
-        recorded = repeat_frames(open_drive(drive, scene=scene), repeat)
-        times = benchmark_pipeline(recorded, model=require_model(model), settings=label_settings(input_size), runs=runs)
+    settings = load_settings(model=model)
+    recorded = repeat_frames(open_drive(drive, scene=scene), repeat)
+    times = benchmark_pipeline(recorded, model=require_model(settings), settings=label_settings(input_size), runs=runs)
     if as_json:
         typer.echo(json.dumps(times))
         return

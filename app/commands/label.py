@@ -8,13 +8,18 @@ from typing import Annotated
 import typer
 
 from app.commands.options import AsJson, DriveFolder, InputSize, ModelFile, SceneName, WorkspaceFolder
-from app.commands.terminal import TerminalProgress, clear_errors, say
-from app.settings import Settings
+from app.commands.terminal import TerminalProgress, say
+from app.db.engine import migrate, open_engine
+from app.db.session import Store
+from app.drives import service as drives_service
+from app.drives.schemas import DriveRegistration
+from app.settings import Settings, load_settings
+from app.tracks.importing import import_labelled_drive
 from labeler.detection import DetectionConfig
 from labeler.drive import Drive, open_drive
 from labeler.errors import HindsightError
 from labeler.evaluation.merges import score_merges
-from labeler.pipeline import LabelledDrive, LabelSettings, Summary, label_drive, open_executor
+from labeler.pipeline import Executor, LabelledDrive, LabelSettings, Summary, label_drive, open_executor
 
 
 class ExecutorName(StrEnum):
@@ -34,39 +39,53 @@ def label(
         ExecutorName, typer.Option(help="Worker processes on all cores, or one thing after the other in one process.")
     ] = ExecutorName.PROCESSES,
     workers: Annotated[
-        int | None, typer.Option(min=1, help="How many cores to use. [default: all]", show_default=False)
+        int | None, typer.Option(min=1, help="How many cores to use. (default: all)", show_default=False)
     ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Label a recorded drive. Stop it with Ctrl-C at any time; the same command goes on from there."""
-    with clear_errors():
-        settings = Settings() if workspace is None else Settings(workspace=workspace)
-        recorded = open_drive(drive, scene=scene)
-        say(f"{recorded.name}: {len(recorded.frames)} frames, {len(recorded.cameras)} cameras ({recorded.format})")
-        with open_executor(executor.value, workers=workers) as open_workers, TerminalProgress() as progress:
-            labelled = label_drive(
-                recorded,
-                model=require_model(model),
-                workspace=settings.workspace,
-                settings=label_settings(input_size),
-                executor=open_workers,
-                progress=progress,
-            )
-        report(labelled.summary)
-        report_truth(recorded, labelled)
+    settings = load_settings(workspace=workspace, model=model)
+    with open_executor(executor.value, workers=workers) as open_workers:
+        summary = label_into_store(settings, drive, scene=scene, input_size=input_size, executor=open_workers)
     if as_json:
-        typer.echo(json.dumps(labelled.summary))
+        typer.echo(json.dumps(summary))
 
 
-def require_model(model: Path | None) -> Path:
-    """The model that was named, else the one of the settings. HindsightError when there is neither."""
-    chosen = model or Settings().model
-    if chosen is None:
+def label_into_store(
+    settings: Settings, folder: Path, *, scene: str | None, input_size: int | None, executor: Executor
+) -> Summary:
+    """Label the drive in a folder, take the result into the store, and say on standard error what came out."""
+    model = require_model(settings)
+    recorded = open_drive(folder, scene=scene)
+    say(f"{recorded.name}: {len(recorded.frames)} frames, {len(recorded.cameras)} cameras ({recorded.format})")
+    with TerminalProgress() as progress:
+        labelled = label_drive(
+            recorded,
+            model=model,
+            workspace=settings.workspace,
+            settings=label_settings(input_size),
+            executor=executor,
+            progress=progress,
+        )
+        engine = open_engine(settings.store_url)
+        migrate(engine)
+        store = Store(engine)
+        stored = drives_service.add_local_drive(store, DriveRegistration(path=str(folder.absolute()), scene=scene))
+        import_labelled_drive(store, stored.id, labelled, model_name=model.stem, progress=progress)
+        engine.dispose()
+    _report(labelled.summary)
+    _report_truth(recorded, labelled)
+    return labelled.summary
+
+
+def require_model(settings: Settings) -> Path:
+    """The model of the settings. HindsightError when there is none."""
+    if settings.model is None:
         raise HindsightError(
             "No model is named. Pass --model FILE, or set HINDSIGHT_MODEL, to a YOLOX model in ONNX form "
             "(any of nano, tiny, s, m, l, x)."
         )
-    return chosen
+    return settings.model
 
 
 def label_settings(input_size: int | None) -> LabelSettings:
@@ -79,8 +98,7 @@ def label_settings(input_size: int | None) -> LabelSettings:
         raise HindsightError(f"--input-size {input_size} can't be used: {error}.") from error
 
 
-def report(summary: Summary) -> None:
-    """Say what came out, for a person."""
+def _report(summary: Summary) -> None:
     for warning in summary["warnings"]:
         say(f"Warning: {warning}")
     for name, camera in summary["cameras"].items():
@@ -93,7 +111,7 @@ def report(summary: Summary) -> None:
     say(f"  {sum(summary['seconds'].values()):.1f} s, {summary['peak_memory_mb']:.0f} MB at the peak")
 
 
-def report_truth(drive: Drive, labelled: LabelledDrive) -> None:
+def _report_truth(drive: Drive, labelled: LabelledDrive) -> None:
     """Where the drive comes with true boxes, say how many merges agree with them."""
     truth = drive.read_truth(drive.frames)
     if truth is not None and truth.boxes_2d is not None:

@@ -13,7 +13,7 @@ DriveFolder = Annotated[
 ]
 ModelFile = Annotated[
     Path | None,
-    typer.Option("--model", "-m", help="YOLOX model file (.onnx). [default: HINDSIGHT_MODEL]", show_default=False),
+    typer.Option("--model", "-m", help="YOLOX model file (.onnx). (default: HINDSIGHT_MODEL)", show_default=False),
 ]
 SceneName = Annotated[
     str | None,
@@ -26,7 +26,7 @@ WorkspaceFolder = Annotated[
     typer.Option(
         "--workspace",
         "-w",
-        help="Folder for artifacts and the store. [default: HINDSIGHT_WORKSPACE, else hindsight in your data folder]",
+        help="Folder for artifacts and the store. (default: HINDSIGHT_WORKSPACE, else hindsight in your data folder)",
         show_default=False,
     ),
 ]
@@ -34,9 +34,19 @@ InputSize = Annotated[
     int | None,
     typer.Option(
         "--input-size",
-        help="Longest side in pixels of what the model sees, a multiple of 32: larger finds farther objects, more slowly. "
-        "[default: 1280]",
+        help="Longest side in pixels of what the model sees, a multiple of 32: larger finds farther objects, and takes "
+        "longer. (default: 960)",
         show_default=False,
     ),
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object on standard output.")]
+Port = Annotated[
+    int | None,
+    typer.Option(
+        min=0,
+        max=65535,
+        help="Port of the page; 0 takes a free one. (default: HINDSIGHT_PORT, else 8000)",
+        show_default=False,
+    ),
+]
+OpenBrowser = Annotated[bool, typer.Option("--open/--no-open", help="Open the page in a browser.")]

@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
-from contextlib import contextmanager
 from types import TracebackType
 
-import typer
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TaskID, TextColumn, TimeElapsedColumn
-
-from labeler.errors import HindsightError
 
 INTERRUPTED = 130
 STAGES = {
@@ -20,25 +15,13 @@ STAGES = {
     "identity": "Finding tracks of one object",
     "donors": "Choosing the best observations",
     "labels": "Propagating their labels",
+    "store": "Storing for review",
 }
 
 
 def say(text: str) -> None:
     """A line for the person at the terminal."""
     Console(stderr=True, highlight=False, soft_wrap=True).print(text, markup=False)
-
-
-@contextmanager
-def clear_errors() -> Generator[None]:
-    """Turn what a user can act on into one line and an exit status: 1 for an error, 130 for Ctrl-C."""
-    try:
-        yield
-    except HindsightError as error:
-        say(f"Error: {error}")
-        raise typer.Exit(1) from error
-    except KeyboardInterrupt as error:
-        say("Stopped. What was done is kept: run the same command again to go on from there.")
-        raise typer.Exit(INTERRUPTED) from error
 
 
 class TerminalProgress:

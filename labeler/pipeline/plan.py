@@ -8,6 +8,7 @@ calibration was mended is.
 from __future__ import annotations
 
 import pickle
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from hashlib import blake2b
@@ -48,16 +49,22 @@ class Classes:
 
 @dataclass(frozen=True)
 class Clips:
-    """The artifacts of detection: for each camera that has images, those of its clips by number, in order of time."""
+    """The artifacts of detection: for each camera that has images, those of its clips by number, in order of time.
+
+    ``images`` counts the images of each camera.
+    """
 
     of_camera: Mapping[str, Mapping[int, Path]]
+    images: Mapping[str, int]
 
     @staticmethod
     def of(units: Sequence[DetectUnit], paths: Sequence[Path]) -> Clips:
         of_camera: dict[str, dict[int, Path]] = {}
+        images: Counter[str] = Counter()
         for unit, path in zip(units, paths, strict=True):
             of_camera.setdefault(unit.camera.name, {})[unit.clip] = path
-        return Clips(of_camera)
+            images[unit.camera.name] += len(unit.images)
+        return Clips(of_camera, images)
 
     def by_camera(self) -> dict[str, list[Path]]:
         """The artifacts of each camera in order of time."""
@@ -127,7 +134,7 @@ def track_units(clips: Clips, classes: Classes, config: TrackingConfig) -> list[
     for number, (camera, paths) in enumerate(clips.by_camera().items(), start=1):
         first_track_id = number * TRACK_IDS_PER_CAMERA + 1
         key = key_of(config, classes.groups, camera, first_track_id, [path.name for path in paths])
-        effort = CLIP_FRAMES * len(paths)
+        effort = clips.images[camera]
         planned.append(TrackUnit(key, tuple(paths), config, classes.groups, first_track_id, effort))
     return planned
 
