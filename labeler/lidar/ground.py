@@ -22,6 +22,7 @@ from labeler.lidar.config import LidarConfig
 
 _LEVELS = 4
 _EVERY = 3
+_SLOPE_CELLS = 5
 _STRAY_DEPTH_M = 0.5
 
 
@@ -118,22 +119,29 @@ def _coarsest_surface(lowest: NDArray[np.float32], cell_m: float, config: LidarC
     filled = lowest[tuple(nearest)]
     usual = ndimage.median_filter(filled, size=3, mode="nearest")
     rise_m = np.float32(config.ground_slope * cell_m)
-    return np.clip(filled, usual - rise_m, usual + rise_m)
+    return _raised_to_middle(np.clip(filled, usual - rise_m, usual + rise_m), usual, cell_m, config)
 
 
 def _refined(
     coarse: NDArray[np.float32], lowest: NDArray[np.float32], cell_m: float, config: LidarConfig
 ) -> NDArray[np.float32]:
-    """The surface with twice as many cells a side.
-
-    On a slope the lowest point of a cell lies at its lower edge, so it is raised to the height of the middle."""
+    """The surface with twice as many cells a side."""
     surface = _doubled(coarse)
-    rise_x, rise_y = np.gradient(surface)
-    to_middle = np.minimum((np.abs(rise_x) + np.abs(rise_y)) / 2, config.ground_slope * cell_m)
-    candidate = lowest + to_middle.astype(np.float32)
+    candidate = _raised_to_middle(lowest, surface, cell_m, config)
     usable = candidate <= surface + np.float32(config.ground_tolerance_m + config.ground_bend * cell_m)
     usable &= candidate >= surface - np.float32(config.ground_tolerance_m + config.ground_slope * cell_m)
     return np.where(usable, candidate, surface).astype(np.float32, copy=False)
+
+
+def _raised_to_middle(
+    lowest: NDArray[np.float32], surface: NDArray[np.float32], cell_m: float, config: LidarConfig
+) -> NDArray[np.float32]:
+    """On a slope the lowest point of a cell lies at its lower edge: raise it to the height of the middle, by the slope
+    of ``surface`` over several cells.
+    """
+    rise_x, rise_y = (ndimage.uniform_filter(rise, _SLOPE_CELLS, mode="nearest") for rise in np.gradient(surface))
+    to_middle = np.minimum((np.abs(rise_x) + np.abs(rise_y)) / 2, config.ground_slope * cell_m)
+    return lowest + to_middle.astype(np.float32)
 
 
 def _doubled(coarse: NDArray[np.float32]) -> NDArray[np.float32]:

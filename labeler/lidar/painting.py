@@ -104,12 +104,14 @@ def paint_points(xyz_m: NDArray[np.float32], detections: Detections, view: View,
 def _rows_in_front(xyz_m: NDArray[np.float32], view: View) -> NDArray[np.intp]:
     """Rows of the points in the cone that holds the image; a cheap cut before the exact projection."""
     camera_SE3_ego = invert_se3(view.sweep_ego_SE3_camera).astype(np.float32)
-    depth_m = xyz_m @ camera_SE3_ego[2, :3] + camera_SE3_ego[2, 3]
-    aside_m = xyz_m @ camera_SE3_ego[0, :3] + camera_SE3_ego[0, 3]
+    with np.errstate(invalid="ignore"):  # a point that is not finite gets a depth that is not, and is cut
+        depth_m = xyz_m @ camera_SE3_ego[2, :3] + camera_SE3_ego[2, 3]
+        aside_m = xyz_m @ camera_SE3_ego[0, :3] + camera_SE3_ego[0, 3]
     width_px, focal_px, middle_px = view.size_px[0], view.intrinsics[0, 0], view.intrinsics[0, 2]
     right, left = (width_px - middle_px) / focal_px + 0.01, middle_px / focal_px + 0.01
-    inside = (depth_m > _MIN_DEPTH_M) & (aside_m <= right * depth_m) & (aside_m >= -left * depth_m)
-    return np.flatnonzero(inside & np.isfinite(xyz_m[:, 2]))
+    inside = (depth_m > _MIN_DEPTH_M) & (depth_m < np.inf) & (aside_m <= right * depth_m) & (aside_m >= -left * depth_m)
+    rows = np.flatnonzero(inside)
+    return rows[np.isfinite(xyz_m[rows]).all(axis=1)]
 
 
 def _in_any_box(
