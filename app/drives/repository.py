@@ -77,7 +77,7 @@ def image_times_ns(session: Session, drive_id: int, frame_indices: Sequence[int]
     query = select(ImageRow.frame_index, ImageRow.timestamp_ns).where(
         ImageRow.drive_id == drive_id, ImageRow.camera_id == camera_id, ImageRow.frame_index.in_(frame_indices)
     )
-    return dict(session.execute(query).tuples().all())
+    return dict(session.execute(query).all())
 
 
 def find_image(session: Session, drive_id: int, frame_index: int, camera: str) -> StoredImage | None:

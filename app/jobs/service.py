@@ -2,6 +2,7 @@
 
 from app.db.base import now
 from app.db.session import Session
+from app.drives import repository as drives_repository
 from app.errors import NotFound
 from app.jobs import repository
 from app.jobs.models import JobRow
@@ -13,7 +14,9 @@ def to_job(row: JobRow) -> Job:
 
 
 def list_jobs(session: Session, drive_id: int) -> list[Job]:
-    """Jobs of a drive, newest first; empty for a drive that does not exist."""
+    """Jobs of a drive, newest first."""
+    if drives_repository.find(session, drive_id) is None:
+        raise NotFound(f"There is no drive {drive_id}. It may have been deleted.")
     return [to_job(row) for row in repository.list_of_drive(session, drive_id)]
 
 

@@ -155,6 +155,7 @@ def _write_frames(
     propagated: Counter[int] = Counter()
     observation_count = 0
     rows = _Rows()
+    done = 0
     progress.stage(STAGE, frame_count)
     for frame in labelled.frames():
         for camera, view in frame.views.items():
@@ -166,7 +167,8 @@ def _write_frames(
         if len(rows.observations) >= ROWS_PER_TRANSACTION:
             with store.write() as session:
                 rows.write(session)
-        progress.advance()
+        progress.advance(frame.frame_index + 1 - done)
+        done = frame.frame_index + 1
     with store.write() as session:
         rows.write(session)
     return propagated, observation_count

@@ -297,7 +297,7 @@ def relabel(
 def camera_names(session: Session, drive_id: int) -> dict[int, str]:
     """Names of the drive's cameras by the store's id."""
     query = select(CameraRow.id, CameraRow.name).where(CameraRow.drive_id == drive_id)
-    return dict(session.execute(query).tuples().all())
+    return dict(session.execute(query).all())
 
 
 def _same_track(a: Any, b: Any) -> Any:

@@ -1,0 +1,155 @@
+"""Merges over HTTP: what a person's decisions do to identities and labels."""
+
+from itertools import permutations
+
+import pytest
+
+from app.db.session import Store
+from app.reviews import repository as reviews
+from tests.app.conftest import Page
+
+
+def test_merges_by_score_with_their_evidence(page: Page) -> None:
+    merges = page.get("merges")
+    assert [(m["track_a"], m["track_b"], m["score"]) for m in merges] == [
+        (1, 2, 0.8),
+        (1, 3, 0.5),
+        (3, 4, 0.4),
+        (2, 4, 0.3),
+    ]
+    first = merges[0]
+    assert (first["camera_a"], first["camera_b"], first["state"], first["decided_by"]) == (
+        "front",
+        "left",
+        "accepted",
+        "machine",
+    )
+    assert (first["identity_a"], first["identity_b"]) == (1, 1)
+    assert first["best_frames"] == [{"frame_index": 2, "distance_m": 0.4, "bev_iou": 0.5, "iou_3d": 0.4}]
+
+
+def test_merges_of_one_state(page: Page) -> None:
+    assert [m["track_b"] for m in page.get("merges", state="proposed")] == [3, 4, 4]
+    assert page.get("merges", state="rejected") == []
+
+
+def test_accepting_joins_identities_and_their_labels(page: Page) -> None:
+    change = page.decide("accept", 3, 4)
+    # the best observation of 3 and 4 is that of 3 in frame 4: car, .7; the three labels of 4 change
+    assert (change["changed_label_count"], change["identity_ids"], change["revision"]) == (3, [3], 2)
+    assert (change["merge"]["state"], change["merge"]["decided_by"]) == ("accepted", "person")
+    assert {key: value for key, value in page.labels().items() if key[0] == 4} == {
+        (4, frame): ("car", 0.7, "propagated", 3) for frame in (0, 1, 2)
+    }
+    (identity,) = (found for found in page.get("identities") if found["id"] == 3)
+    assert identity["camera_names"] == ["left", "right"]
+    assert (identity["track_ids"], identity["observation_count"], identity["propagated_count"]) == ([3, 4], 7, 6)
+    assert (identity["first_frame"], identity["last_frame"], identity["donor"]["frame_index"]) == (0, 5, 4)
+    assert [found["id"] for found in page.get("identities")] == [1, 3, 5]
+
+
+def test_rejecting_a_merge_of_the_machine_splits_its_identity(page: Page) -> None:
+    change = page.decide("reject", 1, 2)
+    assert (change["changed_label_count"], change["identity_ids"]) == (4, [1, 2])
+    labels = page.labels()
+    assert labels[2, 3] == ("truck", 0.6, "auto", 2)
+    assert labels[2, 1] == ("truck", 0.6, "propagated", 2)
+    assert labels[1, 2] == ("car", 0.9, "auto", 1)
+    assert [found["id"] for found in page.get("identities")] == [1, 2, 3, 4, 5]
+
+
+@pytest.mark.parametrize(
+    "decisions",
+    [
+        [("accept", 3, 4)],
+        [("reject", 1, 2)],
+        [("reject", 1, 2), ("accept", 1, 3), ("accept", 3, 4)],
+        [("accept", 2, 4), ("reject", 1, 2)],
+    ],
+)
+def test_undoing_everything_in_any_order_brings_back_what_was(
+    page: Page, decisions: list[tuple[str, int, int]]
+) -> None:
+    before = page.everything()
+    for order in permutations(decisions):
+        for decision in decisions:
+            page.decide(*decision)
+        assert page.everything() != before
+        for _, track_a, track_b in order:
+            page.decide("undo", track_a, track_b)
+        assert page.everything() == before
+        assert {merge["decided_by"] for merge in page.get("merges")} == {"machine"}
+
+
+def test_accepting_tracks_that_share_a_frame_is_refused_by_name(page: Page) -> None:
+    before = page.everything()
+    answer = page.client.post(f"/api/merges/{page.merge(1, 3)['id']}/accept")
+    assert answer.status_code == 409
+    assert answer.json()["detail"]["code"] == "cannot_link"
+    message = answer.json()["detail"]["message"]
+    assert "Tracks 1 and 3" in message
+    assert "tracks 2 and 3" in message
+    assert "camera left in frame 2" in message
+    assert page.everything() == before
+    page.decide("reject", 1, 2)  # what the message advises
+    assert page.decide("accept", 1, 3)["identity_ids"] == [1]
+
+
+def test_a_merge_of_the_machine_gives_way_to_a_person_and_comes_back(page: Page) -> None:
+    page.decide("reject", 1, 2)
+    page.decide("accept", 1, 3)
+    undone = page.decide("undo", 1, 2)  # the machine would merge them, but 1 is with 3 now, and 2 can't be
+    assert (undone["merge"]["state"], undone["merge"]["decided_by"]) == ("proposed", "machine")
+    assert undone["identity_ids"] == [1, 2]
+    page.decide("undo", 1, 3)
+    assert page.merge(1, 2)["state"] == "accepted"
+
+
+def test_a_decision_said_twice_is_one(page: Page, store: Store) -> None:
+    first = page.decide("accept", 3, 4)
+    second = page.decide("accept", 3, 4)
+    assert (second["changed_label_count"], second["revision"]) == (0, first["revision"])
+    with store.read() as session:
+        assert [review.action for review in reviews.list_of_drive(session, page.drive_id)] == ["accept"]
+
+
+def test_confirming_the_machine_changes_no_label(page: Page) -> None:
+    change = page.decide("accept", 1, 2)
+    assert (change["changed_label_count"], change["merge"]["decided_by"]) == (0, "person")
+
+
+def test_every_decision_is_kept(page: Page, store: Store) -> None:
+    for verb in ("accept", "reject", "undo"):
+        page.decide(verb, 3, 4)
+    with store.read() as session:
+        kept = reviews.list_of_drive(session, page.drive_id)
+    assert [review.action for review in kept] == ["accept", "reject", "undo"]
+    assert len({review.subject_id for review in kept}) == 1
+    assert {review.reviewer for review in kept} == {"local"}
+    # the best observation of track 3, in frame 4
+    assert kept[0].anchor_a == {
+        "camera": "left",
+        "frame_index": 4,
+        "timestamp_ns": "1700000000400000000",
+        "box": [40.0, 10.0, 48.0, 20.0],
+    }
+
+
+def test_nothing_to_undo(page: Page) -> None:
+    answer = page.client.post(f"/api/merges/{page.merge(3, 4)['id']}/undo")
+    assert (answer.status_code, answer.json()["detail"]["code"]) == (409, "conflict")
+
+
+def test_no_such_merge(page: Page) -> None:
+    assert page.client.post("/api/merges/999/accept").status_code == 404
+
+
+def test_label_counts_say_what_a_decision_will_change(page: Page) -> None:
+    counts = {(m["track_a"], m["track_b"]): m["label_count"] for m in page.get("merges")}
+    # 1-2: the four labels of 2; 1-3: the four of 3; 3-4: the three of 4; 2-4 joins 4 to the identity of 1 and 2
+    assert counts == {(1, 2): 4, (1, 3): 4, (3, 4): 3, (2, 4): 3}
+    assert page.decide("reject", 1, 2)["changed_label_count"] == 4
+    # 2 (best .6) and 4 (best .5) now: still the three of 4
+    assert page.merge(2, 4)["label_count"] == page.decide("accept", 2, 4)["changed_label_count"] == 3
+    # and undoing that splits 4 off again
+    assert page.merge(2, 4)["label_count"] == page.decide("undo", 2, 4)["changed_label_count"] == 3
