@@ -8,7 +8,7 @@ const GROUPS: KeyBinding["group"][] = ["move", "decide", "view"];
 /** The list of keys. */
 export function KeyHelp({ opened, onClose }: { opened: boolean; onClose: () => void }) {
   return (
-    <Modal opened={opened} onClose={onClose} title={text.keys.title} size="lg" centered>
+    <Modal opened={opened} onClose={onClose} title={text.keys.title} size={760} centered>
       <div className={classes.groups}>
         {GROUPS.map((group) => (
           <section key={group}>

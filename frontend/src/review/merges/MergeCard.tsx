@@ -36,7 +36,7 @@ export function MergeCard({ merge, open, onOpen, onDecide, width }: MergeCardPro
             <Side id={merge.identity_a} camera={merge.camera_a} />
             <Side id={merge.identity_b} camera={merge.camera_b} />
             <span className={classes.quiet}>
-              {text.merges.score} <b>{score(merge.score)}</b>, {text.merges.changes(merge.label_count)}
+              {text.merges.scoreIs(score(merge.score))} · {text.merges.changes(merge.label_count)}
             </span>
           </span>
         )}
@@ -86,6 +86,7 @@ function Decide({ merge, onDecide }: { merge: Merge; onDecide: (decision: Decisi
       {merge.state !== "accepted" && (
         <Button
           size="xs"
+          px={10}
           leftSection={<IconCheck size={15} />}
           onClick={() => onDecide("accept")}
           variant={proposed ? "filled" : "default"}
@@ -94,13 +95,20 @@ function Decide({ merge, onDecide }: { merge: Merge; onDecide: (decision: Decisi
         </Button>
       )}
       {merge.state !== "rejected" && (
-        <Button size="xs" leftSection={<IconX size={15} />} onClick={() => onDecide("reject")} variant="default">
+        <Button
+          size="xs"
+          px={10}
+          leftSection={<IconX size={15} />}
+          onClick={() => onDecide("reject")}
+          variant="default"
+        >
           {text.merges.reject} <Key shown="R" />
         </Button>
       )}
       {!proposed && (
         <Button
           size="xs"
+          px={10}
           leftSection={<IconArrowBackUp size={15} />}
           onClick={() => onDecide("undo")}
           variant="default"
@@ -121,7 +129,7 @@ function Decide({ merge, onDecide }: { merge: Merge; onDecide: (decision: Decisi
 
 function Key({ shown }: { shown: string }) {
   return (
-    <Kbd size="xs" ml={7} aria-hidden className={classes.key}>
+    <Kbd size="xs" ml={5} aria-hidden className={classes.key}>
       {shown}
     </Kbd>
   );

@@ -90,32 +90,39 @@ export function MergesPanel({ shown, onShow, width }: MergesPanelProps) {
       {list.length === 0 ? (
         <Notice icon={<IconChecks size={28} stroke={1.4} />} title={NONE[shown]} />
       ) : (
-        <div ref={scroller} className={classes.scroller}>
-          <ol className={classes.list} style={{ height: rows.getTotalSize() }}>
-            {rows.getVirtualItems().map((row) => {
-              const merge = list[row.index];
-              return (
-                merge && (
-                  <li
-                    key={row.key}
-                    ref={rows.measureElement}
-                    data-index={row.index}
-                    className={classes.row}
-                    style={{ transform: `translateY(${row.start}px)` }}
-                  >
-                    <MergeCard
-                      merge={merge}
-                      open={merge.id === mergeId}
-                      onOpen={() => open(merge)}
-                      onDecide={(decision) => decide(merge, decision)}
-                      width={width}
-                    />
-                  </li>
-                )
-              );
-            })}
-          </ol>
-        </div>
+        <>
+          {shown === "proposed" && (
+            <p className={classes.question}>
+              {text.merges.question} <kbd>{text.merges.keysHint}</kbd>
+            </p>
+          )}
+          <div ref={scroller} className={classes.scroller}>
+            <ol className={classes.list} style={{ height: rows.getTotalSize() }}>
+              {rows.getVirtualItems().map((row) => {
+                const merge = list[row.index];
+                return (
+                  merge && (
+                    <li
+                      key={row.key}
+                      ref={rows.measureElement}
+                      data-index={row.index}
+                      className={classes.row}
+                      style={{ transform: `translateY(${row.start}px)` }}
+                    >
+                      <MergeCard
+                        merge={merge}
+                        open={merge.id === mergeId}
+                        onOpen={() => open(merge)}
+                        onDecide={(decision) => decide(merge, decision)}
+                        width={width}
+                      />
+                    </li>
+                  )
+                );
+              })}
+            </ol>
+          </div>
+        </>
       )}
     </div>
   );

@@ -1,0 +1,25 @@
+import { describe, expect, it } from "vitest";
+import { bytes, clock, duration, metres, plural, score } from "./format";
+
+describe("numbers", () => {
+  it.each([
+    [plural(1, "box", "boxes"), "1 box"],
+    [plural(1200, "box", "boxes"), "1,200 boxes"],
+    [score(0.9), "0.90"],
+    [score(null), "–"],
+    [metres(0.456), "0.46 m"],
+    [metres(12.34), "12.3 m"],
+    [metres(null), "–"],
+    [clock(95_300), "1:35.3"],
+    // Rounds up into the next minute, not to 60 seconds.
+    [clock(59_960), "1:00.0"],
+    [duration(23_900), "23.9 s"],
+    [duration(119_600), "2 min 0 s"],
+    [duration(7_260_000), "2 h 1 min"],
+    [bytes(999), "999 B"],
+    [bytes(1_500), "1.5 kB"],
+    [bytes(25_000_000), "25 MB"],
+  ])("%s", (said, expected) => {
+    expect(said).toBe(expected);
+  });
+});

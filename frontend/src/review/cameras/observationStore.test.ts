@@ -1,0 +1,61 @@
+import { describe, expect, it } from "vitest";
+import { type ObservationPage, ObservationStore } from "./observationStore";
+
+/** Answers with empty frames of a revision that the test sets. */
+function serve(frameCount: number) {
+  const asked: string[] = [];
+  const newer: number[] = [];
+  const server = { revision: 1 };
+  const store = new ObservationStore(
+    async (start, stop): Promise<ObservationPage> => {
+      asked.push(`${start}-${stop}`);
+      return { revision: server.revision, frames: [{ frame_index: start, observations: [] }] };
+    },
+    frameCount,
+    (revision) => newer.push(revision),
+  );
+  return { store, asked, newer, server };
+}
+
+describe("ObservationStore", () => {
+  it("fetches a block once for all of its frames, and stops at the end of the drive", async () => {
+    const { store, asked } = serve(50);
+    await Promise.all([store.ensure(40), store.ensure(49)]);
+    await store.ensure(41);
+    expect(asked).toEqual(["40-50"]);
+    expect(store.get(49)).toEqual([]);
+    expect(store.get(39)).toBeUndefined();
+  });
+
+  it("serves old labels until new ones are here", async () => {
+    const { store, asked } = serve(20);
+    const before = await store.ensure(0);
+    store.invalidate(2);
+    expect(store.isFresh(0)).toBe(false);
+    expect(store.get(0)).toBe(before);
+    const after = await store.ensure(0);
+    expect(after).not.toBe(before);
+    expect(asked).toHaveLength(2);
+  });
+
+  it("loads again where the labels changed while they were on their way", async () => {
+    const { store, asked } = serve(20);
+    const ensured = store.ensure(0);
+    store.invalidate(2);
+    await ensured;
+    expect(store.isFresh(0)).toBe(true);
+    expect(asked).toHaveLength(2);
+  });
+
+  it("tells once when the server is ahead of what was known", async () => {
+    const { store, newer, server } = serve(60);
+    store.invalidate(1);
+    await store.ensure(0);
+    server.revision = 4;
+    await store.ensure(20);
+    await store.ensure(40);
+    expect(newer).toEqual([4]);
+    expect(store.isOlderThan(4)).toBe(false);
+    expect(store.isOlderThan(5)).toBe(true);
+  });
+});

@@ -1,0 +1,13 @@
+import { describe, expect, it } from "vitest";
+import { pictureWidth } from "./pictures";
+
+describe("pictureWidth", () => {
+  it.each([
+    ["the next step above the tile", 700, 1936, 720],
+    ["a step that is nearly enough", 1000, 1936, 960],
+    ["the original where no step is large enough", 3000, 3840, undefined],
+    ["the original where the step is no smaller", 600, 720, undefined],
+  ])("asks for %s", (_, tile, original, width) => {
+    expect(pictureWidth(tile, original)).toBe(width);
+  });
+});

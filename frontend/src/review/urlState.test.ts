@@ -1,0 +1,27 @@
+import { describe, expect, it } from "vitest";
+import { readUrl, type UrlState, writeUrl } from "./urlState";
+
+const fresh: UrlState = { frame: 0, identityIds: [], tab: "merges", mergeId: null };
+
+describe("the page's address", () => {
+  it.each<[string, UrlState]>([
+    ["", fresh],
+    ["?frame=12", { ...fresh, frame: 12 }],
+    ["?frame=12&identity=7", { ...fresh, frame: 12, identityIds: [7] }],
+    ["?identity=7,9&merge=3", { ...fresh, identityIds: [7, 9], mergeId: 3 }],
+    ["?identity=0&tab=selected", { ...fresh, identityIds: [0], tab: "selected" }],
+  ])("%s is read and written as it was", (search, state) => {
+    expect(readUrl(search)).toEqual(state);
+    expect(writeUrl(state)).toBe(search);
+  });
+
+  it.each([
+    ["?frame=-1", fresh],
+    ["?frame=1e3&merge=x", fresh],
+    ["?frame=99999999999999999999", fresh],
+    ["?identity=,x,4,4", { ...fresh, identityIds: [4] }],
+    ["?tab=secret", fresh],
+  ])("%s: what makes no sense is left out", (search, state) => {
+    expect(readUrl(search)).toEqual(state);
+  });
+});
