@@ -114,13 +114,24 @@ def _decide(
 def _why_forbidden(
     forbidden: tuple[int, int], candidate: _Candidate, evidence: Evidence, made: list[MergeProposal]
 ) -> str:
-    """Which tracks forbid a merge, and by which better merges they have come in."""
+    """Which tracks forbid a merge, and the better merges that tie them to the tracks that were to be merged."""
     first, second = forbidden
     clash = f"tracks {first} and {second} share a frame of {evidence.cameras[first]}"
-    own = {candidate.track_a, candidate.track_b}
-    better = [
-        f"{merge.track_a} with {merge.track_b} (score {merge.score:.2f})"
-        for merge in made
-        if {merge.track_a, merge.track_b} & own and {merge.track_a, merge.track_b} & ({first, second} | own)
-    ]
+    ties = [*_ties(candidate.track_a, first, made), *_ties(candidate.track_b, second, made)]
+    better = [f"{merge.track_a} with {merge.track_b} (score {merge.score:.2f})" for merge in ties]
     return f"{clash}; better merges came first: {', '.join(better)}" if better else clash
+
+
+def _ties(track: int, other: int, made: list[MergeProposal]) -> list[MergeProposal]:
+    """The fewest merges that lead from one track to another of the same identity."""
+    way_to: dict[int, list[MergeProposal]] = {track: []}
+    reached = [track]
+    for here in reached:  # grows while it is walked along
+        if here == other:
+            break
+        for merge in made:
+            for end, next_end in ((merge.track_a, merge.track_b), (merge.track_b, merge.track_a)):
+                if end == here and next_end not in way_to:
+                    way_to[next_end] = [*way_to[here], merge]
+                    reached.append(next_end)
+    return way_to[other]
