@@ -1,13 +1,8 @@
-"""A real headless Chromium, and a real server for it to open.
-
-Tests that ask for the browser skip where there is no Chromium, with HINDSIGHT_REQUIRE_BROWSER=1 they fail. It is the
-system's own: Playwright's download is not used.
-"""
+"""A real headless Chromium, and a real server for it to open."""
 
 import os
 import queue
 import re
-import shutil
 import signal
 import subprocess
 import sys
@@ -18,36 +13,19 @@ from pathlib import Path
 from typing import IO
 
 import pytest
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Browser, Page
 
-PROGRAMS = ("chromium", "chromium-browser", "google-chrome")
+from tests.chromium import headless_chromium
+
 ANSWER_SECONDS = 60.0
 REPOSITORY = Path(__file__).resolve().parents[2]
 
 
-@pytest.fixture(scope="session")
-def chromium_program() -> str:
-    """Where the system's Chromium lies."""
-    for name in PROGRAMS:
-        program = shutil.which(name)
-        if program is not None:
-            return program
-    reason = f"needs Chromium ({', '.join(PROGRAMS)}), which is not on this machine; Debian: apt-get install chromium"
-    if os.environ.get("HINDSIGHT_REQUIRE_BROWSER") == "1":
-        pytest.fail(reason)
-    pytest.skip(reason)
-
-
-@pytest.fixture(scope="session")
-def browser(chromium_program: str) -> Iterator[Browser]:
-    """Headless Chromium that draws WebGL in software."""
-    arguments = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
-    if os.geteuid() == 0:
-        arguments.append("--no-sandbox")  # Chromium refuses its sandbox to root
-    with sync_playwright() as playwright:
-        started = playwright.chromium.launch(executable_path=chromium_program, args=arguments)
-        yield started
-        started.close()
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    """Headless Chromium; see :mod:`tests.chromium` for what happens where there is none."""
+    with headless_chromium() as running:
+        yield running
 
 
 @pytest.fixture
