@@ -1,6 +1,6 @@
 /** Every English sentence of the page, in one place. */
 
-import { plural } from "./app/format";
+import { count, plural } from "./app/format";
 
 export const text = {
   app: {
@@ -65,6 +65,7 @@ export const text = {
     review: "Review",
     look: "Look",
     reviewOf: (name: string) => `Review ${name}`,
+    lookAt: (name: string) => `Look at ${name}`,
     more: (name: string) => `More actions for ${name}`,
     remove: "Delete",
     removeTitle: (name: string) => `Delete ${name}?`,
@@ -136,10 +137,12 @@ export const text = {
   merges: {
     states: { proposed: "Proposed", accepted: "Accepted", rejected: "Rejected" },
     show: "Show merges that are",
-    noneProposed: "Nothing left to decide. Every proposed merge is accepted or rejected.",
-    noneAccepted: "No merge is accepted yet.",
-    noneRejected: "No merge is rejected.",
-    noneAtAll: "No two tracks of different cameras looked like one object, so there is nothing to decide.",
+    noneProposed: "Nothing left to decide",
+    noneProposedHint: "Every proposed merge is accepted or rejected. The labels are ready to export.",
+    noneAccepted: "No merge is accepted yet",
+    noneRejected: "No merge is rejected",
+    noneAtAll: "Nothing to decide",
+    noneAtAllHint: "No two tracks of different cameras looked like one object.",
     loadFailed: "The merges could not be loaded",
     question: "Is it the same object in both pictures?",
     keysHint: "J next",
@@ -148,6 +151,7 @@ export const text = {
     reject: "Reject",
     undo: "Undo",
     changes: (n: number) => `changes ${plural(n, "label")}`,
+    changesIfAccepted: (n: number) => `The merge changes ${plural(n, "label")}.`,
     track: (id: number) => `track ${id}`,
     score: "score",
     scoreHint: "How sure the machine is that both tracks are one object, from 0 to 1",
@@ -179,7 +183,8 @@ export const text = {
     classFilter: "All classes",
     filterLabel: "Class",
     count: (n: number) => plural(n, "identity", "identities"),
-    none: "No identities yet. Label the drive to get them.",
+    none: "No identities yet",
+    noneHint: "Label the drive to get them.",
     noneOfClass: "No identity of this class.",
     loadFailed: "The identities could not be loaded",
     propagated: (n: number) => `${n} propagated`,
@@ -192,7 +197,7 @@ export const text = {
     now: "This frame",
     nowIs: (camera: string) => `Now, ${camera}`,
     notInFrame: "Not in this frame",
-    ownLabel: "The label here is its own",
+    ownLabel: "its own label",
     goToDonor: "Go to the donor frame",
     goToFrame: "Go to the nearest frame with it",
     noDonor: "No observation was sure enough to give its label to the others.",
@@ -200,7 +205,7 @@ export const text = {
     trackFrames: (first: number, last: number) => `${first + 1} to ${last + 1}`,
     best: "best",
     goToTrack: (id: number) => `Go to the best frame of track ${id}`,
-    labels: (own: number, propagated: number) => `${own} own labels, ${propagated} propagated`,
+    labels: (own: number, propagated: number) => `${plural(own, "own label")}, ${count(propagated)} propagated`,
   },
   scene: {
     title: "3D",

@@ -1,6 +1,7 @@
 /** Live progress of a job by server-sent events. */
 
 import { useEffect } from "react";
+import { api } from "./client";
 import type { Job } from "./types";
 
 const FINAL: ReadonlySet<Job["state"]> = new Set(["done", "failed", "cancelled"]);
@@ -21,6 +22,8 @@ export function watchJob(jobId: number, onJob: (job: Job) => void): () => void {
     onJob(job);
     if (isFinal(job)) source.close();
   });
+  // The browser connects again by itself; whether the server still answers is asked apart, so that the page can say so.
+  source.onerror = () => void api.GET("/api/health").catch(() => undefined);
   return () => source.close();
 }
 

@@ -15,9 +15,11 @@ export function Notice({ icon, title, children, onRetry, role = "status" }: Noti
   return (
     <Stack align="center" justify="center" gap={6} p="xl" h="100%" ta="center" role={role}>
       {icon}
-      <Text fw={600}>{title}</Text>
+      <Text fw={600} fz={15} maw={420}>
+        {title}
+      </Text>
       {children && (
-        <Text size="sm" c="var(--muted)" maw={420}>
+        <Text size="sm" c="var(--muted)" maw={380} style={{ textWrap: "balance" }}>
           {children}
         </Text>
       )}

@@ -1,6 +1,7 @@
 /** Quiet chrome: greys with a little blue, one accent. Colours of identities live with the boxes (palette.ts). */
 
 import { createTheme, type MantineColorsTuple } from "@mantine/core";
+import { text } from "../strings";
 
 const dark: MantineColorsTuple = [
   "#d9dce3",
@@ -34,8 +35,11 @@ export const theme = createTheme({
   headings: { fontWeight: "620" },
   colors: { dark, accent },
   primaryColor: "accent",
-  primaryShade: { light: 7, dark: 6 },
+  primaryShade: 7,
   defaultRadius: "md",
   cursorType: "pointer",
   focusRing: "auto",
+  components: {
+    Modal: { defaultProps: { closeButtonProps: { "aria-label": text.app.close } } },
+  },
 });

@@ -1,4 +1,4 @@
-import { ActionIcon, Alert, Badge, Button, Group, Menu, Modal, Stack, Text } from "@mantine/core";
+import { ActionIcon, Alert, Button, Group, Menu, Modal, Stack, Text } from "@mantine/core";
 import { IconDots, IconTrash } from "@tabler/icons-react";
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
@@ -12,14 +12,6 @@ import { text } from "../strings";
 import classes from "./DriveCard.module.css";
 import { JobProgress } from "./JobProgress";
 import { LabelButton } from "./LabelButton";
-
-const BADGES: Record<Drive["state"], string> = {
-  new: "gray",
-  queued: "gray",
-  labelling: "accent",
-  ready: "teal",
-  failed: "red",
-};
 
 /** One drive of the list: what it looks like, how far it is, and the next thing to do with it. */
 export function DriveCard({ drive }: { drive: Drive }) {
@@ -35,9 +27,9 @@ export function DriveCard({ drive }: { drive: Drive }) {
           <Link href={href} className={classes.name}>
             {drive.name}
           </Link>
-          <Badge size="sm" variant="light" color={BADGES[drive.state]} tt="none">
+          <span className={classes.state} data-state={drive.state}>
             {text.drives.states[drive.state]}
-          </Badge>
+          </span>
         </div>
         <Text size="sm" c="var(--muted)">
           {facts(drive).join(" · ")}
@@ -61,7 +53,7 @@ export function DriveCard({ drive }: { drive: Drive }) {
             href={href}
             size="xs"
             variant={drive.state === "ready" ? "filled" : "default"}
-            aria-label={text.drives.reviewOf(drive.name)}
+            aria-label={drive.state === "ready" ? text.drives.reviewOf(drive.name) : text.drives.lookAt(drive.name)}
           >
             {drive.state === "ready" ? text.drives.review : text.drives.look}
           </Button>
@@ -128,7 +120,7 @@ function Remove({ drive, opened, onClose }: { drive: Drive; opened: boolean; onC
       <Stack>
         <Text size="sm">{drive.uploaded ? text.drives.removeUploaded : text.drives.removeFolder}</Text>
         {remove.error && (
-          <Alert color="red" variant="light" role="alert">
+          <Alert color="red" variant="outline" role="alert">
             {messageOf(remove.error)}
           </Alert>
         )}

@@ -97,7 +97,7 @@ export function LabelButton({ drive }: { drive: Drive }) {
               onChange={(event) => setPath(event.currentTarget.value)}
             />
             {label.error && (
-              <Alert color="red" variant="light" role="alert">
+              <Alert color="red" variant="outline" role="alert">
                 {messageOf(label.error)}
               </Alert>
             )}

@@ -53,7 +53,7 @@ export function OpenFolder({ opened, onClose }: { opened: boolean; onClose: () =
             onChange={(event) => setScene(event.currentTarget.value)}
           />
           {open.error && (
-            <Alert color="red" variant="light" role="alert">
+            <Alert color="red" variant="outline" role="alert">
               {messageOf(open.error)}
             </Alert>
           )}

@@ -98,27 +98,29 @@ function Review({ drive }: { drive: DriveDetail }) {
           <CameraGrid />
           <Timeline />
         </main>
-        <Splitter
-          orientation="vertical"
-          label={text.review.resizePanel}
-          size={panelWidth}
-          {...PANEL}
-          onChange={setPanelWidth}
-        />
         <aside className={classes.side} style={{ width: panelWidth }}>
-          <SidePanel width={panelWidth} mergesShown={mergesShown} onShowMerges={showMerges} />
-          {sceneOpen && (
-            <>
-              <Splitter
-                orientation="horizontal"
-                label={text.scene.resize}
-                size={sceneHeight}
-                {...SCENE}
-                onChange={setSceneHeight}
-              />
-              <SceneView height={sceneHeight} onClose={() => setSceneOpen(false)} />
-            </>
-          )}
+          <Splitter
+            orientation="vertical"
+            label={text.review.resizePanel}
+            size={panelWidth}
+            {...PANEL}
+            onChange={setPanelWidth}
+          />
+          <div className={classes.panels}>
+            <SidePanel width={panelWidth} mergesShown={mergesShown} onShowMerges={showMerges} />
+            {sceneOpen && (
+              <>
+                <Splitter
+                  orientation="horizontal"
+                  label={text.scene.resize}
+                  size={sceneHeight}
+                  {...SCENE}
+                  onChange={setSceneHeight}
+                />
+                <SceneView height={sceneHeight} onClose={() => setSceneOpen(false)} />
+              </>
+            )}
+          </div>
         </aside>
       </div>
       <KeyHelp opened={helpOpen} onClose={() => setHelpOpen(false)} />

@@ -1,15 +1,14 @@
-import { useEffect, useState } from "react";
+import { useEffect, useState, useSyncExternalStore } from "react";
 import type { Observation } from "../api/types";
-import { useCommitted, useShared } from "./ReviewContext";
+import { useShared } from "./ReviewContext";
 
 /** The observations of any frame, for crops; undefined while they load, empty if they cannot be had. */
 export function useObservationsAt(frame: number | null): readonly Observation[] | undefined {
   const { observations } = useShared();
-  // New labels arrive with a commit: look again then.
-  const committed = useCommitted()?.observations;
+  const generation = useSyncExternalStore(observations.subscribe, observations.currentGeneration);
   const [state, setState] = useState<{ frame: number | null; list: readonly Observation[] }>();
 
-  // biome-ignore lint/correctness/useExhaustiveDependencies: `committed` says when to look again.
+  // biome-ignore lint/correctness/useExhaustiveDependencies: `generation` says when to look again.
   useEffect(() => {
     if (frame === null) return;
     let stale = false;
@@ -24,7 +23,7 @@ export function useObservationsAt(frame: number | null): readonly Observation[] 
     return () => {
       stale = true;
     };
-  }, [observations, frame, committed]);
+  }, [observations, frame, generation]);
 
   if (frame === null) return undefined;
   return state?.frame === frame ? state.list : observations.get(frame);

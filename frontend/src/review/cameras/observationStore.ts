@@ -26,6 +26,7 @@ interface Block {
 export class ObservationStore {
   private readonly blocks = new LeastRecentlyUsed<number, Block>(BLOCKS_KEPT);
   private readonly inFlight = new Map<string, Promise<void>>();
+  private readonly listeners = new Set<() => void>();
   private generation = 0;
   private revision: number | null = null;
 
@@ -59,7 +60,16 @@ export class ObservationStore {
   invalidate(revision: number): void {
     this.revision = revision;
     this.generation += 1;
+    for (const listener of this.listeners) listener();
   }
+
+  /** Grows whenever labels changed, and what was read before is old. */
+  currentGeneration = (): number => this.generation;
+
+  subscribe = (listener: () => void): (() => void) => {
+    this.listeners.add(listener);
+    return () => this.listeners.delete(listener);
+  };
 
   private fetchBlock(block: number): Promise<void> {
     const generation = this.generation;

@@ -87,7 +87,7 @@ export function ExportPanel() {
         {text.exports.start} {text.exports.coco}
       </Button>
       {start.error && (
-        <Alert color="red" variant="light" title={text.exports.failed} role="alert">
+        <Alert color="red" variant="outline" title={text.exports.failed} role="alert">
           {messageOf(start.error)}
         </Alert>
       )}

@@ -56,7 +56,12 @@ export function IdentitiesPanel() {
       </Stack>
     );
   }
-  if (data.length === 0) return <Notice icon={<IconStack2 size={28} stroke={1.4} />} title={text.identities.none} />;
+  if (data.length === 0)
+    return (
+      <Notice icon={<IconStack2 size={28} stroke={1.4} />} title={text.identities.none}>
+        {text.identities.noneHint}
+      </Notice>
+    );
 
   const hover = (identity: Identity | null) =>
     store.getState().setHover(identity && { identityId: identity.id, observationId: null });

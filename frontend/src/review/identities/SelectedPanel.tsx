@@ -55,16 +55,16 @@ function IdentityDetail({ identity, width }: { identity: Identity; width: number
     <section className={classes.identity} aria-label={`#${identity.id} ${identity.class_name}`}>
       <header className={classes.head}>
         <span className={classes.swatch} style={{ background: identityColour(identity.id) }} />
-        <h3 className={classes.title}>
+        <h2 className={classes.title}>
           #{identity.id} {identity.class_name}
-        </h3>
+        </h2>
         <span className={classes.score}>{score(identity.score)}</span>
       </header>
       <Text size="xs" c="var(--muted)">
         {text.identities.labels(own, identity.propagated_count)}
       </Text>
 
-      <h4 className={classes.heading}>{text.identities.labelFrom}</h4>
+      <h3 className={classes.heading}>{text.identities.labelFrom}</h3>
       <Lineage identity={identity} here={here} width={width} />
       {nearest !== null && (
         <Button size="compact-xs" variant="default" onClick={() => store.getState().seek(nearest)}>
@@ -72,14 +72,14 @@ function IdentityDetail({ identity, width }: { identity: Identity; width: number
         </Button>
       )}
 
-      <h4 className={classes.heading}>{text.identities.tracks}</h4>
+      <h3 className={classes.heading}>{text.identities.tracks}</h3>
       <Stack gap={2} component="ul" className={classes.tracks}>
         {tracks.map((track) => (
           <li key={track.id}>
             <button
               type="button"
               className={classes.track}
-              aria-label={text.identities.goToTrack(track.id)}
+              title={text.identities.goToTrack(track.id)}
               onClick={() => store.getState().seek(track.best_frame ?? track.first_frame)}
             >
               <span>{track.camera}</span>

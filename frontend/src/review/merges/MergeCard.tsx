@@ -57,13 +57,19 @@ export function MergeCard({ merge, open, onOpen, onDecide, width }: MergeCardPro
               hint={text.merges.overlapHint}
             />
           </dl>
-          <Text size="sm">{merge.reason}</Text>
+          <Text size="sm">
+            {merge.reason}{" "}
+            <Text span size="sm" c="var(--muted)">
+              {text.merges.changesIfAccepted(merge.label_count)}
+            </Text>
+          </Text>
           {refusal && (
             <Alert
               role="alert"
-              variant="light"
+              variant="outline"
               color="orange"
               p="xs"
+              className={classes.refusal}
               icon={<IconAlertTriangle size={16} />}
               title={text.merges.refused}
             >
@@ -116,13 +122,11 @@ function Decide({ merge, onDecide }: { merge: Merge; onDecide: (decision: Decisi
           {text.merges.undo} <Key shown="U" />
         </Button>
       )}
-      <span className={classes.quiet}>
-        {proposed
-          ? text.merges.changes(merge.label_count)
-          : merge.decided_by === "person"
-            ? text.merges.byPerson
-            : text.merges.byMachine}
-      </span>
+      {!proposed && (
+        <span className={classes.quiet}>
+          {merge.decided_by === "person" ? text.merges.byPerson : text.merges.byMachine}
+        </span>
+      )}
     </>
   );
 }

@@ -71,7 +71,12 @@ export function MergesPanel({ shown, onShow, width }: MergesPanelProps) {
       </Stack>
     );
   }
-  if (data.length === 0) return <Notice icon={<IconGitMerge size={28} stroke={1.4} />} title={text.merges.noneAtAll} />;
+  if (data.length === 0)
+    return (
+      <Notice icon={<IconGitMerge size={28} stroke={1.4} />} title={text.merges.noneAtAll}>
+        {text.merges.noneAtAllHint}
+      </Notice>
+    );
 
   return (
     <div className={classes.panel}>
@@ -88,7 +93,9 @@ export function MergesPanel({ shown, onShow, width }: MergesPanelProps) {
         }))}
       />
       {list.length === 0 ? (
-        <Notice icon={<IconChecks size={28} stroke={1.4} />} title={NONE[shown]} />
+        <Notice icon={<IconChecks size={28} stroke={1.4} />} title={NONE[shown]}>
+          {shown === "proposed" ? text.merges.noneProposedHint : null}
+        </Notice>
       ) : (
         <>
           {shown === "proposed" && (
