@@ -12,8 +12,9 @@ import viser
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from app.scene.palette import Rgb, ScenePalette, as_linear, faded, identity_color, point_colors, scene_palette
+from app.scene.palette import Rgb, ScenePalette, faded, identity_color, point_colors, scene_palette
 from app.scene.shapes import LINES_PER_BOX, PointCloud, box_corners, box_lines, unit_cube
+from app.scene.tone import line_colors
 from app.scene.types import SceneBox, SceneView, Theme
 from labeler.drive.types import Camera
 
@@ -53,7 +54,7 @@ class SceneCanvas:
                 self._ground_m = ground_m if self._ground_m is None else self._ground_m
                 self._draw_surroundings(palette, self._ground_m)
             self._draw_points(points, palette, self._ground_m)
-            self._draw_boxes(boxes, view.identity_id, palette)
+            self._draw_boxes(boxes, view)
         self._server.flush()
 
     def _draw_surroundings(self, palette: ScenePalette, ground_m: float) -> None:
@@ -124,14 +125,14 @@ class SceneCanvas:
             precision="float32",
         )
 
-    def _draw_boxes(self, boxes: Sequence[SceneBox], selected_id: int | None, palette: ScenePalette) -> None:
-        selected = [box for box in boxes if selected_id is not None and box.identity_id == selected_id]
-        others = [box for box in boxes if selected_id is None or box.identity_id != selected_id]
-        colors = [_color_of(box, palette) for box in others]
+    def _draw_boxes(self, boxes: Sequence[SceneBox], view: SceneView) -> None:
+        selected = [box for box in boxes if view.identity_id is not None and box.identity_id == view.identity_id]
+        others = [box for box in boxes if view.identity_id is None or box.identity_id != view.identity_id]
+        colors = [_color_of(box, view) for box in others]
         if selected:
-            colors = [faded(color, palette.background) for color in colors]
+            colors = [faded(color, scene_palette(view.theme).background) for color in colors]
         self._draw_group("/boxes", others, colors, line_px=_LINE_PX, opacity=0.12)
-        colors = [_color_of(box, palette) for box in selected]
+        colors = [_color_of(box, view) for box in selected]
         self._draw_group("/selected", selected, colors, line_px=_SELECTED_LINE_PX, opacity=0.4)
         self._draw_selected_label(selected)
 
@@ -145,7 +146,7 @@ class SceneCanvas:
         self._draw_faces(f"{name}/faces", boxes, colors, opacity=opacity)
 
     def _draw_lines(self, name: str, boxes: Sequence[SceneBox], colors: Sequence[Rgb], line_px: float) -> None:
-        ends = np.repeat(as_linear(_as_array(colors)), LINES_PER_BOX, axis=0)[:, None].repeat(2, axis=1)
+        ends = np.repeat(line_colors(_as_array(colors)), LINES_PER_BOX, axis=0)[:, None].repeat(2, axis=1)
         self._server.scene.add_line_segments(
             name, box_lines(box_corners(boxes)), ends, thickness=line_px, thickness_units="screen"
         )
@@ -191,8 +192,10 @@ def label_text(box: SceneBox) -> str:
     return f"{identity}{box.class_name}{score}"
 
 
-def _color_of(box: SceneBox, palette: ScenePalette) -> Rgb:
-    return palette.unknown_box if box.identity_id is None else identity_color(box.identity_id)
+def _color_of(box: SceneBox, view: SceneView) -> Rgb:
+    if box.identity_id is None:
+        return scene_palette(view.theme).unknown_box
+    return identity_color(box.identity_id, view.theme)
 
 
 def _as_array(colors: Sequence[Rgb]) -> NDArray[np.uint8]:

@@ -11,17 +11,27 @@ from pathlib import Path
 
 import viser
 
+from app.scene.palette import scene_palette
+from app.scene.types import Theme
+
 _CLIENT = Path(viser.__file__).resolve().parent / "client" / "build" / "index.html"
 
-# viser draws a control panel over the scene, which has nothing to control here, and a bar of notices.
-_STYLE = "<style>[data-floating-window],[data-dock-bar],.mantine-Notifications-root{display:none!important}</style>"
+# Of the client's page, only the canvas is for us. viser lays a control panel over it, in one of two places depending on
+# the width, and notices; hiding all but canvases holds whatever those are called. The page's own background then shows.
+_STYLE = """<style>
+body * { visibility: hidden }
+body canvas { visibility: visible }
+:root[data-mantine-color-scheme="dark"] body { background: rgb%s }
+:root[data-mantine-color-scheme="light"] body { background: rgb%s }
+</style>"""
 
 
 @cache
 def page_html() -> bytes:
-    """The viewer's page, without viser's control panel."""
+    """The viewer's page, without viser's own controls."""
     head, end, rest = _CLIENT.read_text(encoding="utf-8").partition("</head>")
-    return f"{head}{_STYLE}{end}{rest}".encode()
+    style = _STYLE % tuple(str(scene_palette(theme).background) for theme in (Theme.DARK, Theme.LIGHT))
+    return f"{head}{style}{end}{rest}".encode()
 
 
 def page_headers(host: str) -> dict[str, str]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import colorsys
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,16 +11,33 @@ from app.scene.types import Theme
 
 Rgb = tuple[int, int, int]
 
-_GOLDEN_ANGLE_DEG = 137.508  # consecutive ids land far apart on the colour wheel
-_SATURATION = 0.70
-_LIGHTNESS = 0.55
+# The page's own colours of identities (frontend/src/review/cameras/palette.ts); a test keeps them the same.
+IDENTITY_PALETTE: tuple[Rgb, ...] = (
+    (0x56, 0xB4, 0xE9),
+    (0xFF, 0xB0, 0x00),
+    (0x2F, 0xD3, 0x9A),
+    (0xFF, 0x7A, 0x45),
+    (0xF0, 0xE4, 0x42),
+    (0xE7, 0x9A, 0xC4),
+    (0x8C, 0x9E, 0xFF),
+    (0xBB, 0xCC, 0x33),
+    (0x99, 0xDD, 0xFF),
+    (0xEE, 0x88, 0x66),
+    (0x44, 0xD7, 0xE8),
+    (0xFF, 0xC2, 0xD1),
+)
+_STEP = 5  # shares no factor with the palette's length: neighbouring ids take colours that lie far apart
+_SHADE_ON_LIGHT = 0.72
 
 
-def identity_color(identity_id: int) -> Rgb:
-    """The colour of an identity, 0..255. The page computes the same: hue by the golden angle, HSL 70 %, 55 %."""
-    hue = (identity_id * _GOLDEN_ANGLE_DEG) % 360 / 360
-    red, green, blue = colorsys.hls_to_rgb(hue, _LIGHTNESS, _SATURATION)
-    return round(red * 255), round(green * 255), round(blue * 255)
+def identity_color(identity_id: int, theme: Theme = Theme.DARK) -> Rgb:
+    """The colour of an identity, 0..255: the page's, a shade darker on a light background, where lines would drown."""
+    dozen = identity_id // len(IDENTITY_PALETTE)
+    color = IDENTITY_PALETTE[(identity_id * _STEP + dozen) % len(IDENTITY_PALETTE)]
+    if theme is Theme.DARK:
+        return color
+    red, green, blue = (round(channel * _SHADE_ON_LIGHT) for channel in color)
+    return red, green, blue
 
 
 def faded(color: Rgb, background: Rgb) -> Rgb:
@@ -30,18 +46,11 @@ def faded(color: Rgb, background: Rgb) -> Rgb:
     return red, green, blue
 
 
-def as_linear(colors: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """sRGB colours 0..255 as linear light, which is how viser's lines take theirs (its points and meshes take sRGB)."""
-    share = colors.astype(np.float32) / 255
-    linear = np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)
-    return np.round(linear * 255).astype(np.uint8)
-
-
 @dataclass(frozen=True)
 class ScenePalette:
     """What the scene around the objects looks like in one theme. Quiet, so that the boxes stand out.
 
-    Points run from ``point_low`` on the ground to ``point_high`` a few metres up. ``background`` is viser's own.
+    Points run from ``point_low`` on the ground to ``point_high`` a few metres up. ``background`` lies behind it all.
     """
 
     background: Rgb
@@ -56,7 +65,7 @@ class ScenePalette:
 
 _PALETTES = {
     Theme.DARK: ScenePalette(
-        background=(20, 20, 20),
+        background=(10, 12, 15),
         point_low=(74, 88, 112),
         point_high=(214, 230, 245),
         grid=(46, 52, 62),
@@ -66,7 +75,7 @@ _PALETTES = {
         unknown_box=(150, 155, 165),
     ),
     Theme.LIGHT: ScenePalette(
-        background=(255, 255, 255),
+        background=(244, 245, 247),
         point_low=(158, 170, 188),
         point_high=(34, 52, 84),
         grid=(234, 237, 241),

@@ -31,7 +31,7 @@ FRONT = Camera(
 
 @dataclass
 class Street:
-    """Ten frames: frame i has i + 1 points, and one box, of identity 7, at x = 10 + i. It notes what was asked for."""
+    """Ten frames: frame i has i + 1 points, and one box, of identity 3, at x = 10 + i. It notes what was asked for."""
 
     frame_count: int = 10
     cameras: tuple[Camera, ...] = (FRONT, Camera(name="blind", width_px=8, height_px=4, calibration=None))
@@ -46,7 +46,7 @@ class Street:
 
     def boxes(self, frame_index: int) -> list[SceneBox]:
         self.asked_boxes.append(frame_index)
-        return [SceneBox((10.0 + frame_index, 2.0, 0.5), (4.0, 2.0, 1.6), 0.1, 7, "car", 0.9)]
+        return [SceneBox((10.0 + frame_index, 2.0, 0.5), (6.0, 3.0, 3.0), 0.1, 3, "truck", 0.9)]
 
 
 @pytest.fixture

@@ -77,10 +77,10 @@ def test_the_scene_arrives_through_the_proxy_and_follows_the_view(server: Any) -
         assert client.subprotocol == PROTOCOL
         first = messages_until(client, "ReplayDoneMessage")
         assert {"/sweep", "/boxes/edges", "/cameras/front"} <= {message.get("name") for message in first}
-        answer = httpx.put(f"{server.origin}/api/scenes/{scene_id}/view", json={"frame_index": 3, "identity_id": 7})
+        answer = httpx.put(f"{server.origin}/api/scenes/{scene_id}/view", json={"frame_index": 3, "identity_id": 3})
         assert answer.status_code == 204
         labels = [message for message in messages_until(client, "LabelMessage") if message["type"] == "LabelMessage"]
-        assert [label["props"]["text"] for label in labels] == ["#7 car 0.90"]
+        assert [label["props"]["text"] for label in labels] == ["#3 truck 0.90"]
 
 
 @pytest.mark.parametrize("origin", [None, "http://evil.example", "null", "http://localhost:1"])

@@ -1,27 +1,34 @@
 """Colours."""
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 
-from app.scene.palette import as_linear, faded, identity_color, point_colors, scene_palette
+from app.scene.palette import IDENTITY_PALETTE, faded, identity_color, point_colors, scene_palette
 from app.scene.types import Theme
+
+PAGE_PALETTE = Path(__file__).parents[3] / "frontend" / "src" / "review" / "cameras" / "palette.ts"
 
 
 @pytest.mark.parametrize(
-    ("identity_id", "color"),
-    [
-        (0, (221, 60, 60)),  # hue 0: lightness .55 +- .7 x .45 = .865 and .235
-        (1, (60, 221, 107)),  # hue 137.508: green, and blue (137.508 - 120) / 60 of the way up
-        (3, (221, 201, 60)),  # hue 52.524
-    ],
+    ("identity_id", "index"),
+    [(0, 0), (1, 5), (2, 10), (3, 3), (12, 1), (13, 6), (143, (143 * 5 + 11) % 12)],  # each dozen is shifted by one
 )
-def test_identity_colors_follow_the_golden_angle(identity_id: int, color: tuple[int, int, int]) -> None:
-    assert identity_color(identity_id) == color
+def test_identity_colors_step_through_the_palette(identity_id: int, index: int) -> None:
+    assert identity_color(identity_id) == IDENTITY_PALETTE[index]
 
 
-def test_colors_as_linear_light() -> None:
-    # 188 / 255 = .737, the sRGB value of half the light; 10 lies on the straight part of the curve: 10 / 12.92 = .77
-    assert as_linear(np.array([[0, 10, 188], [255, 255, 255]], np.uint8)).tolist() == [[0, 1, 128], [255, 255, 255]]
+def test_the_page_has_the_same_colors() -> None:
+    source = PAGE_PALETTE.read_text(encoding="utf-8")
+    page = [tuple(bytes.fromhex(color)) for color in re.findall(r'^  "#([0-9a-f]{6})",', source, re.MULTILINE)]
+    assert page == list(IDENTITY_PALETTE)
+    assert "(identityId * 5 + dozen) % PALETTE.length" in source
+
+
+def test_colors_are_darker_on_light() -> None:
+    assert identity_color(1, Theme.LIGHT) == (166, 111, 141)  # .72 x (231, 154, 196)
 
 
 def test_a_faded_color_is_half_background() -> None:

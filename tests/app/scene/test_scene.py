@@ -9,8 +9,9 @@ import pytest
 
 from app.scene.canvas import label_text
 from app.scene.errors import FrameNotFound
-from app.scene.palette import as_linear, faded, identity_color, scene_palette
+from app.scene.palette import faded, identity_color, scene_palette
 from app.scene.scene import Scene
+from app.scene.tone import line_colors
 from app.scene.types import SceneBox, SceneSource, SceneView, Theme
 from labeler.drive.errors import DriveFileError
 from labeler.drive.types import Sweep
@@ -51,12 +52,12 @@ def test_a_new_view_replaces_the_points_and_the_boxes(scene: Scene) -> None:
 
 
 def test_the_selected_identity_is_thick_and_named(scene: Scene) -> None:
-    scene.show(SceneView(0, identity_id=7))
+    scene.show(SceneView(0, identity_id=3))
     assert scene.wait_until_drawn(10)
     assert node(scene, "/boxes") is None
     assert prop(scene, "/selected/edges", "thickness") > prop(scene, "/ego/edges", "thickness")
-    assert prop(scene, "/selected/faces", "batched_colors").tolist() == [list(identity_color(7))]
-    assert prop(scene, "/selected_label", "text") == "#7 car 0.90"
+    assert prop(scene, "/selected/faces", "batched_colors").tolist() == [list(identity_color(3))]
+    assert prop(scene, "/selected_label", "text") == "#3 truck 0.90"
     scene.show(SceneView(0, identity_id=None))
     assert scene.wait_until_drawn(10)
     assert node(scene, "/selected") is None
@@ -76,7 +77,9 @@ def test_the_others_stand_back_while_one_is_selected(street: SceneSource) -> Non
     try:
         assert scene.wait_until_drawn(10)
         pale = faded(identity_color(2), scene_palette(Theme.DARK).background)
-        assert prop(scene, "/boxes/edges", "colors")[0, 0].tolist() == as_linear(np.array(pale, np.uint8)).tolist()
+        assert (
+            prop(scene, "/boxes/edges", "colors")[0, 0].tolist() == line_colors(np.array([pale], np.uint8))[0].tolist()
+        )
     finally:
         scene.close()
 
