@@ -1,7 +1,7 @@
 """A small drive made by code, and a real YOLOX-shaped model that finds the objects in it.
 
-Two red cars, 12 m away: one parked ahead, one that crosses from the front camera's view into the left camera's, so that
-for some frames both cameras see it. The model is a network of one pooling layer: how red the window around a cell is.
+Two red cars, 12 m away: one parked ahead, one that crosses where the views of the front and the left camera overlap. The
+model is a network of one pooling layer: how red the window around a cell is.
 """
 
 from __future__ import annotations
@@ -29,6 +29,7 @@ CAR_SIZE_M = (4.5, 1.8, 1.5)
 DISTANCE_M = 12.0
 PARKED_DEG = -20.0
 WINDOW_HW = (24, 64)
+BOX_HW = (30, 84)
 RED_BGR = (30, 30, 220)
 
 
@@ -50,8 +51,8 @@ class Car:
 
 
 def cars_at(frame: int, frames: int) -> list[Car]:
-    """Where the cars are: one stands, one goes from 5 to 65 degrees to the left over the drive."""
-    return [Car("parked", PARKED_DEG), Car("crossing", 5 + 60 * frame / max(1, frames - 1))]
+    """Where the cars are: one stands, one goes from 20 to 40 degrees to the left over the drive."""
+    return [Car("parked", PARKED_DEG), Car("crossing", 20 + 20 * frame / max(1, frames - 1))]
 
 
 def write_drive(folder: Path, *, frames: int = 12) -> Path:
@@ -106,22 +107,19 @@ def write_model(path: Path) -> Path:
     """Write an ONNX file in the form of an official YOLOX export (COCO, any size, raw grid) that finds red windows.
 
     At stride 8 a cell's objectness is the mean of red less green over a window around it where no window nearby is more
-    red, the class is car, and the box is the window. The cells of strides 16 and 32 find nothing.
+    red (of equals, the one with more red beside it), the class is car, and the box is a little larger than the window,
+    to hold the whole car. The cells of strides 16 and 32 find nothing.
     """
     height, width = WINDOW_HW
     nodes = [
         helper.make_node("Mul", ["images", "red_less_green"], ["weighted"]),
         helper.make_node("ReduceSum", ["weighted", "channel_axis"], ["redness"], keepdims=1),
         helper.make_node("Clip", ["redness", "zero", "one"], ["red"]),
-        helper.make_node(
-            "AveragePool",
-            ["red"],
-            ["window_red"],
-            kernel_shape=[height, width],
-            strides=[8, 8],
-            pads=[height // 2 - 4, width // 2 - 4] * 2,
-            count_include_pad=1,
-        ),
+        _mean_at_stride_8("red", "window_red_alone", height, width),
+        _mean_at_stride_8("red", "wide_red", height, 2 * width),
+        helper.make_node("Mul", ["wide_red", "tie_breaker"], ["little_wide_red"]),
+        helper.make_node("Mul", ["window_red_alone", "nearly_one"], ["most_window_red"]),
+        helper.make_node("Add", ["most_window_red", "little_wide_red"], ["window_red"]),
         helper.make_node("MaxPool", ["window_red"], ["peak"], kernel_shape=[5, 9], pads=[2, 4, 2, 4]),
         helper.make_node("GreaterOrEqual", ["window_red", "peak"], ["is_peak"]),
         helper.make_node("Cast", ["is_peak"], ["peak_mask"], to=TensorProto.FLOAT),
@@ -144,12 +142,14 @@ def write_model(path: Path) -> Path:
     ]
     classes = np.zeros((1, 1, 80), np.float32)
     classes[..., 2] = 1.0
-    box = np.array([[[0.5, 0.5, np.log(width / 8), np.log(height / 8)]]], np.float32)
+    box = np.array([[[0.5, 0.5, np.log(BOX_HW[1] / 8), np.log(BOX_HW[0] / 8)]]], np.float32)
     constants = {
         "red_less_green": np.array([0.0, -1 / 160, 1 / 160], np.float32).reshape(1, 3, 1, 1),
         "channel_axis": np.array([1], np.int64),
         "zero": np.array(0.0, np.float32),
         "one": np.array(1.0, np.float32),
+        "nearly_one": np.array(0.99, np.float32),
+        "tie_breaker": np.array(0.01, np.float32),
         "column": np.array([0, -1, 1], np.int64),
         "box_row": box,
         "class_row": classes,
@@ -165,6 +165,19 @@ def write_model(path: Path) -> Path:
     onnx.checker.check_model(model)
     onnx.save(model, str(path))
     return path
+
+
+def _mean_at_stride_8(name: str, result: str, height: int, width: int) -> onnx.NodeProto:
+    """The mean over a window around every cell of stride 8; what lies outside of the image counts as 0."""
+    return helper.make_node(
+        "AveragePool",
+        [name],
+        [result],
+        kernel_shape=[height, width],
+        strides=[8, 8],
+        pads=[height // 2 - 4, width // 2 - 4] * 2,
+        count_include_pad=1,
+    )
 
 
 def _write_calibration(folder: Path) -> None:
