@@ -1,7 +1,7 @@
 """A small drive made by code, and a real YOLOX-shaped model that finds the objects in it.
 
-Two red cars, 12 m away: one parked ahead, one that crosses where the views of the front and the left camera overlap. The
-model is a network of one pooling layer: how red the window around a cell is.
+Two red cars, 12 m away: one parked ahead, one that crosses where the views of the front and the left camera overlap.
+The model is a network of one pooling layer: how red the window around a cell is.
 """
 
 from __future__ import annotations
