@@ -1,18 +1,10 @@
 """What the store knows for a 3D view."""
 
-from pathlib import Path
-
 from sqlalchemy import and_, select
 from sqlalchemy.orm import Session
 
-from app.drives.models import DriveRow
 from app.scene.types import SceneBox
 from app.tracks.models import Box3DRow, LabellingRow, LabelRow, TrackRow
-
-
-def find_drive(session: Session, drive_id: int) -> DriveRow | None:
-    """The drive of that id."""
-    return session.get(DriveRow, drive_id)
 
 
 def boxes_of_frame(session: Session, drive_id: int, frame_index: int) -> list[SceneBox]:
@@ -48,8 +40,3 @@ def boxes_of_frame(session: Session, drive_id: int, frame_index: int) -> list[Sc
         )
         for row, identity_id, label_class_id, label_score, class_names in session.execute(query)
     ]
-
-
-def folder_of(drive: DriveRow, workspace: Path) -> Path:
-    """Where a drive lies: uploaded ones inside of the workspace, others where they were registered."""
-    return workspace / drive.path

@@ -4,12 +4,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from app.db.session import Store
-from app.errors import NotFound
+from app.drives.service import open_recorded_drive, require_drive
 from app.scene import repository
 from app.scene.errors import NoLidar
 from app.scene.types import SceneBox
-from labeler.drive import Drive, open_drive
-from labeler.drive.types import Camera, Sweep
+from labeler.drive import Camera, Drive, Sweep
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,12 +38,10 @@ class StoredSource:
 
 
 def open_stored_source(store: Store, workspace: Path, drive_id: int) -> StoredSource:
-    """The content of a drive. NotFound, NoLidar; DriveError when its files can't be used any more."""
+    """The content of a drive. NotFound, NoLidar; UnusableDrive when its files can't be used any more."""
     with store.read() as session:
-        row = repository.find_drive(session, drive_id)
-        if row is None:
-            raise NotFound(f"There is no drive {drive_id}. It may have been removed: reload the list of drives.")
+        row = require_drive(session, drive_id)
         if not row.has_lidar:
             raise NoLidar(f"Drive {row.name!r} has no LiDAR sweeps, so there is no 3D view of it.")
-        folder, scene = repository.folder_of(row, workspace), row.scene
-    return StoredSource(store, drive_id, open_drive(folder, scene=scene))
+        path, scene = workspace / row.path, row.scene
+    return StoredSource(store, drive_id, open_recorded_drive(path, scene=scene))

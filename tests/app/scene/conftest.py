@@ -2,7 +2,8 @@
 
 import socket
 import threading
-from collections.abc import Iterator
+from collections.abc import AsyncIterator, Callable, Iterator
+from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -60,6 +61,7 @@ class Server:
 
     host: str
     scenes: SceneManager
+    stop: Callable[[], None]
 
     @property
     def origin(self) -> str:
@@ -67,11 +69,18 @@ class Server:
 
 
 def make_app(scenes: SceneManager) -> FastAPI:
-    app = FastAPI()
+    """An app that has nothing but 3D views, put together as app.main does."""
+
+    @asynccontextmanager
+    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+        app.state.scenes = scenes
+        yield
+        scenes.close()
+
+    app = FastAPI(lifespan=lifespan)
     install_error_handlers(app)
     app.include_router(router)
     install_security(app)
-    app.state.scenes = scenes
     return app
 
 
@@ -84,19 +93,20 @@ def sources(street: Street) -> dict[int, SceneSource]:
 @pytest.fixture
 def server(sources: dict[int, SceneSource]) -> Iterator[Server]:
     scenes = SceneManager(lambda drive_id: sources[drive_id], max_scenes=2)
-    config = uvicorn.Config(
-        make_app(scenes), host="127.0.0.1", port=0, log_level="warning", ws_per_message_deflate=False
-    )
+    config = uvicorn.Config(make_app(scenes), host="127.0.0.1", port=0, log_level="error", ws_per_message_deflate=False)
     running = _NotifyingServer(config)
     thread = threading.Thread(target=running.run, daemon=True)
     thread.start()
     assert running.ready.wait(10)
     port = running.servers[0].sockets[0].getsockname()[1]
-    yield Server(f"127.0.0.1:{port}", scenes)
-    scenes.close()
-    running.should_exit = True
-    thread.join(10)
-    assert not thread.is_alive()
+
+    def stop() -> None:
+        running.should_exit = True
+        thread.join(10)
+        assert not thread.is_alive()
+
+    yield Server(f"127.0.0.1:{port}", scenes, stop)
+    stop()
 
 
 class _NotifyingServer(uvicorn.Server):

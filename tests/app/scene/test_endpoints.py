@@ -1,5 +1,6 @@
 """The routes under a real server: who may connect, and that the viewer's messages pass both ways."""
 
+import socket
 import threading
 from typing import Any
 
@@ -119,6 +120,17 @@ def test_closing_the_scene_ends_the_connection(server: Any) -> None:
         assert closed.value.rcvd is not None
         assert closed.value.rcvd.code == 1001  # the viewer goes away
     assert httpx.get(f"{server.origin}/scene/{scene_id}/").status_code == 404
+
+
+def test_stopping_the_server_closes_connected_scenes_and_frees_their_ports(server: Any) -> None:
+    port = server.scenes.get(scene_id := open_scene(server)).viewer.port
+    with join(server, scene_id, origin=server.origin) as client:
+        messages_until(client, "ReplayDoneMessage")
+        server.stop()
+        with pytest.raises(ConnectionClosed):
+            client.recv(timeout=10)
+    with pytest.raises(ConnectionRefusedError):
+        socket.create_connection(("127.0.0.1", port), timeout=5)
 
 
 def test_a_scene_is_in_use_while_its_page_is_connected(server: Any) -> None:

@@ -1,6 +1,5 @@
 """The viewer's page in a real browser: it draws, and it talks to this server alone."""
 
-import shutil
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -11,12 +10,13 @@ import cv2
 import httpx
 import numpy as np
 import pytest
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Browser, Page
 
 from app.scene.palette import identity_color, scene_palette
 from app.scene.types import SceneBox, SceneSource, Theme
 from labeler.drive import open_drive
 from labeler.drive.types import Camera, Drive, Sweep, TruthBoxes3D
+from tests.chromium import headless_chromium
 
 WIDTH, HEIGHT = 480, 300  # small: without a graphics card, each pixel costs time
 DEADLINE_S = 60.0
@@ -25,14 +25,8 @@ TOLERANCE = 45  # lines are smoothed, and the brightest colours come out a littl
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
-    chromium = shutil.which("chromium")
-    if chromium is None:
-        pytest.skip("needs Debian's chromium, which is not on this machine")
-    flags = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"]
-    with sync_playwright() as playwright:
-        running = playwright.chromium.launch(executable_path=chromium, args=flags)
+    with headless_chromium() as running:
         yield running
-        running.close()
 
 
 class TruthSource:
