@@ -108,10 +108,10 @@ export const text = {
     boxes: (n: number) => plural(n, "box", "boxes"),
     view: (camera: string, n: number) => `${camera}, ${plural(n, "box", "boxes")}`,
     legend: "How boxes are drawn",
-    legendAuto: "label from this picture",
-    legendPropagated: "label propagated",
+    legendAuto: "own label",
+    legendPropagated: "propagated label",
     legendHuman: "label by a person",
-    legendFilled: "box filled in",
+    legendFilled: "filled-in box",
     ownLabel: "label from this picture",
     humanLabel: "label by a person",
     propagatedFrom: (camera: string, frame: number, score: string) =>

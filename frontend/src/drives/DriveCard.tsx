@@ -40,7 +40,7 @@ export function DriveCard({ drive }: { drive: Drive }) {
           </Text>
         )}
         {drive.error && (
-          <Text size="sm" c="red" role="alert" className={classes.error}>
+          <Text size="sm" c="var(--danger)" role="alert" className={classes.error}>
             {drive.error}
           </Text>
         )}

@@ -44,7 +44,7 @@ export function JobProgress({ drive }: { drive: Drive }) {
   return (
     <div className={classes.progress}>
       <div className={classes.bar}>
-        <Text size="xs" className={classes.words} c={stop.error ? "red" : undefined}>
+        <Text size="xs" className={classes.words} c={stop.error ? "var(--danger)" : undefined}>
           <span>{stop.error ? messageOf(stop.error) : stage}</span>
           {running && job.total > 0 && (
             <span className={classes.numbers}>

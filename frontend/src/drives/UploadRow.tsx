@@ -19,7 +19,7 @@ export function UploadRow({ upload }: { upload: RunningUpload }) {
           <Text size="sm" fw={600}>
             {upload.fileName}
           </Text>
-          <Text size="xs" c={failed ? "red" : "var(--muted)"} role={failed ? "alert" : undefined}>
+          <Text size="xs" c={failed ? "var(--danger)" : "var(--muted)"} role={failed ? "alert" : undefined}>
             {failed ? upload.error : progressWords(upload)}
           </Text>
         </div>

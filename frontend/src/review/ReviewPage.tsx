@@ -51,12 +51,17 @@ export function ReviewPage({ driveId }: { driveId: number }) {
   );
 }
 
-const PANEL = { initial: 400, min: 330, max: 900 };
-const SCENE = { initial: 300, min: 140, max: 1200 };
+const PANEL = { min: 330, max: 900 };
+const SCENE = { min: 140, max: 1200 };
+
+/** A part of the window to begin with, within limits (px). */
+function share(ofPx: number, part: number, min: number, max: number): number {
+  return Math.round(Math.min(max, Math.max(min, ofPx * part)));
+}
 
 function Review({ drive }: { drive: DriveDetail }) {
-  const [panelWidth, setPanelWidth] = useStoredState("panelWidth", PANEL.initial);
-  const [sceneHeight, setSceneHeight] = useStoredState("sceneHeight", SCENE.initial);
+  const [panelWidth, setPanelWidth] = useStoredState("panelWidth", share(window.innerWidth, 0.25, 390, 560));
+  const [sceneHeight, setSceneHeight] = useStoredState("sceneHeight", share(window.innerHeight, 0.3, 190, 480));
   const [sceneOpen, setSceneOpen] = useStoredState("sceneOpen", true as boolean);
   const [helpOpen, setHelpOpen] = useState(false);
   const [mergesShown, setMergesShown] = useState<MergeState>("proposed");

@@ -38,7 +38,9 @@ export function drawBoxes(ctx: CanvasRenderingContext2D, observations: readonly 
   const items = observations
     .map((one) => ({ one, emphasis: emphasisOf(one, style), rect: rectOf(one, style) }))
     .sort((a, b) => order[a.emphasis] - order[b.emphasis]);
-  for (const item of items) drawBox(ctx, item.one, item.rect, item.emphasis);
+  // Lines grow a little with the picture, so that they are seen on a large screen too.
+  const weight = Math.min(2, Math.max(1, style.width / 800));
+  for (const item of items) drawBox(ctx, item.one, item.rect, item.emphasis, weight);
   drawLabels(ctx, items, style);
 }
 
@@ -52,7 +54,13 @@ function rectOf(one: Observation, style: BoxStyle): Rect {
   };
 }
 
-function drawBox(ctx: CanvasRenderingContext2D, one: Observation, rect: Rect, emphasis: Emphasis): void {
+function drawBox(
+  ctx: CanvasRenderingContext2D,
+  one: Observation,
+  rect: Rect,
+  emphasis: Emphasis,
+  weight: number,
+): void {
   const colour = identityColour(one.identity_id);
   ctx.save();
   ctx.globalAlpha = emphasis === "dim" ? 0.4 : 1;
@@ -62,7 +70,7 @@ function drawBox(ctx: CanvasRenderingContext2D, one: Observation, rect: Rect, em
     ctx.fillRect(rect.x, rect.y, rect.width, rect.height);
     ctx.globalAlpha = 1;
   }
-  const line = emphasis === "strong" ? 2.5 : emphasis === "dim" ? 1 : 1.75;
+  const line = weight * (emphasis === "strong" ? 2.5 : emphasis === "dim" ? 1 : 1.75);
   ctx.setLineDash(one.filled ? [5, 4] : []);
   if (emphasis !== "dim") {
     // A dark rim keeps a light line visible on a light street.

@@ -26,7 +26,7 @@ const PANEL_SPACE_PX = 56;
 export function MergeCard({ merge, open, onOpen, onDecide, width }: MergeCardProps) {
   const refusal = useRefusals((state) => state.byMerge[merge.id]);
   const large = Math.floor((width - PANEL_SPACE_PX) / 2);
-  const size = open ? { width: large, height: Math.round(Math.min(large * 0.75, 260)) } : SMALL;
+  const size = open ? { width: large, height: Math.round(large * 0.64) } : SMALL;
   return (
     <article className={classes.card} data-open={open || undefined}>
       <button type="button" className={classes.face} onClick={onOpen} aria-expanded={open}>
