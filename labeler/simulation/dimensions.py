@@ -18,7 +18,7 @@ STOP_LINE_WIDTH_M = 0.4
 BAY_START_M = STOP_LINE_M + 5.0
 """From a junction's centre to the nearest end of a parking bay."""
 SLOT_LENGTH_M = 6.2
-SLOT_WIDTH_M = 2.2
+SLOT_WIDTH_M = 2.3
 BORDER_DEPTH_M = 34.0
 """How deep the ring of blocks outside of the outermost streets is."""
 LAMP_SPACING_M = 0.32

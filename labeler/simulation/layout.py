@@ -38,7 +38,7 @@ from labeler.simulation.towns import TownStyle, town_style
 JunctionId = tuple[int, int]
 Approach = Literal[0, 1, 2, 3]
 """The side of a junction by where its traffic heads: 0 east, 1 north, 2 west, 3 south (a quarter turn each)."""
-_STEP: dict[int, tuple[int, int]] = {0: (1, 0), 1: (0, 1), 2: (-1, 0), 3: (0, -1)}
+_STEP: dict[Approach, tuple[int, int]] = {0: (1, 0), 1: (0, 1), 2: (-1, 0), 3: (0, -1)}
 _APPROACHES: tuple[Approach, ...] = (0, 1, 2, 3)
 
 
@@ -193,7 +193,9 @@ class TownLayout:
         y_m = _street_lines(rng, style, rows)
         junctions = _junctions(x_m, y_m)
         edges = _edges(junctions)
-        controlled = [(j, approach) for j in junctions.values() if j.signalised for approach in j.approaches]
+        controlled: list[tuple[Junction, Approach]] = [
+            (j, approach) for j in junctions.values() if j.signalised for approach in j.approaches
+        ]
         bays = [_bay(edge) for edge in edges]
         slots = _slots(rng, edges, style.parking_share)
         planned = [plan_block(rng, block, style) for block in _blocks(x_m, y_m, bays)]
@@ -235,12 +237,12 @@ class TownLayout:
         return inside_x & inside_y & (near_x | near_y)
 
 
-def heading_of(approach: int) -> float:
+def heading_of(approach: Approach) -> float:
     """The heading in radians of the traffic of an approach, from -pi (left out) to pi."""
     return (0.0, math.pi / 2, math.pi, -math.pi / 2)[approach]
 
 
-def _direction(approach: int) -> tuple[int, int]:
+def _direction(approach: Approach) -> tuple[int, int]:
     return _STEP[approach]
 
 
