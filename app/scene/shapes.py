@@ -17,6 +17,7 @@ MAX_POINTS = 120_000
 # Corners of labeler.geometry.boxes_3d.corners_of count in binary: 4 = rear, 2 = right, 1 = bottom. An edge joins two
 # corners that differ in one bit.
 _EDGES = np.array([(a, a | bit) for bit in (4, 2, 1) for a in range(8) if not a & bit])
+LINES_PER_BOX = len(_EDGES) + 1  # and the heading
 _FRONT_TOP, _ALL_TOP = (0, 2), (0, 2, 4, 6)
 
 _CUBE_FACES = np.array(
@@ -81,6 +82,3 @@ def unit_cube() -> tuple[NDArray[np.float32], NDArray[np.uint32]]:
     """(8, 3) vertices and (12, 3) faces of a cube with edges of one metre about the origin, faces turned outward."""
     corners = corners_of(np.zeros((1, 3)), np.ones((1, 3)), np.zeros(1))[0]
     return corners.astype(np.float32), _CUBE_FACES
-
-
-LINES_PER_BOX = len(_EDGES) + 1
