@@ -29,11 +29,11 @@ from labeler.evaluation.types import (
     BinRow,
     BoxRows,
     Curve,
+    EvaluatedLabels,
     Evaluation,
     EvaluationConfig,
     EvaluationError,
     LabelRows,
-    LabelSource,
     MergeCounts,
     Row,
     Tracking,
@@ -48,14 +48,14 @@ WITHOUT_TRACKING, SINGLE_CAMERA, MULTI_CAMERA = METHODS
 
 
 def evaluate_labels(
-    source: LabelSource, truth: Truth | None, *, drive_name: str, config: EvaluationConfig | None = None
+    source: EvaluatedLabels, truth: Truth | None, *, drive_name: str, config: EvaluationConfig | None = None
 ) -> Evaluation:
     """Compare the labels of a drive with its truth.
 
     Reads labels and detections once, part by part. Raises EvaluationError when the truth has no boxes in the images.
     """
     config = config or EvaluationConfig()
-    table = None if truth is None else prepare_truth(truth, source.cameras, max_distance_m=config.max_distance_m)
+    table = None if truth is None else prepare_truth(truth, source.cameras, config)
     if truth is None or truth.boxes_2d is None or table is None:
         raise EvaluationError(
             f"The drive {drive_name} has no true boxes in its images, so there is nothing to compare its labels with. "
@@ -73,6 +73,7 @@ def evaluate_labels(
         drive=drive_name,
         confidence=config.confidence,
         max_distance_m=config.max_distance_m,
+        min_visible_pixels=config.min_visible_pixels,
         classes=config.classes,
         without_tracking_from="observations" if source.open_detections is None else "detections",
         truth_count=int(np.count_nonzero(table.counted)),
@@ -98,7 +99,7 @@ class _TrackingParts:
 class _Counted:
     """What is counted while the drive streams by."""
 
-    def __init__(self, source: LabelSource, table: TruthTable, config: EvaluationConfig) -> None:
+    def __init__(self, source: EvaluatedLabels, table: TruthTable, config: EvaluationConfig) -> None:
         self._source = source
         self._table = table
         self._config = config

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from labeler.drive.types import Truth, TruthBoxes2D, TruthBoxes3D
 from labeler.evaluation.categories import DONT_CARE, NOT_COUNTED, class_of_category
+from labeler.evaluation.types import EvaluationConfig
 from labeler.geometry.boxes_2d import area
 
 
@@ -21,7 +22,7 @@ class TruthTable:
     ``camera`` (T,) int16; ``object_id`` (T,) int32, the same for one object in all images; ``category_class`` (T,)
     int16 as in :mod:`labeler.evaluation.categories`; ``counted`` (T,) bool: hit or miss, else it only absorbs labels;
     ``whole_px`` (T, 4) float32; ``visible_px`` likewise, None where no visible parts are recorded; ``distance_m`` (T,)
-    float32, NaN where unknown; ``visible_share`` (T,) float32 in 0..1, None where no visible parts are recorded.
+    float32, NaN where unknown; ``visible_share`` (T,) float32 in 0..1, None where it is not known.
     """
 
     image: NDArray[np.int64]
@@ -67,12 +68,11 @@ def image_number(frame_index: NDArray[np.int32], camera: NDArray[np.int16], came
     return frame_index.astype(np.int64) * camera_count + camera
 
 
-def prepare_truth(truth: Truth, cameras: Sequence[str], *, max_distance_m: float) -> TruthTable | None:
+def prepare_truth(truth: Truth, cameras: Sequence[str], config: EvaluationConfig) -> TruthTable | None:
     """The vehicles and don't-care regions in images of ``cameras``; None where there are no true boxes in images.
 
     Where the 2D boxes have no distance, that of the same object's 3D box is taken, from the ego frame's origin on the
-    ground. What is farther than ``max_distance_m``, or has a visible part that is empty, is not counted; what has no
-    known distance is.
+    ground. What is too far, or shows too few pixels or none, is not counted; what has no known distance is.
     """
     boxes = truth.boxes_2d
     if boxes is None:
@@ -88,9 +88,11 @@ def prepare_truth(truth: Truth, cameras: Sequence[str], *, max_distance_m: float
     distance_m = _distances(boxes, truth.boxes_3d)[rows]
     visible_px = None if boxes.visible_xyxy_px is None else boxes.visible_xyxy_px[rows]
     with np.errstate(invalid="ignore"):
-        counted = (category_class[rows] != DONT_CARE) & ~(distance_m > max_distance_m)
+        counted = (category_class[rows] != DONT_CARE) & ~(distance_m > config.max_distance_m)
     if visible_px is not None:
         counted &= _is_box(visible_px)
+    if boxes.visible_pixels is not None:
+        counted &= boxes.visible_pixels[rows] >= config.min_visible_pixels
     object_ids = {uuid: number for number, uuid in enumerate(dict.fromkeys(boxes.track_uuid))}
     return TruthTable(
         image=image[rows],
@@ -101,7 +103,7 @@ def prepare_truth(truth: Truth, cameras: Sequence[str], *, max_distance_m: float
         whole_px=boxes.xyxy_px[rows],
         visible_px=visible_px,
         distance_m=distance_m,
-        visible_share=None if visible_px is None else _shares(visible_px, boxes.xyxy_px[rows]),
+        visible_share=_visible_shares(boxes, rows),
     )
 
 
@@ -129,10 +131,15 @@ def _distances(boxes: TruthBoxes2D, boxes_3d: TruthBoxes3D | None) -> NDArray[np
     return np.array([of_object.get(moment, np.nan) for moment in moments], np.float32)
 
 
-def _shares(visible_px: NDArray[np.float32], whole_px: NDArray[np.float32]) -> NDArray[np.float32]:
-    """(T,) area of the visible box over that of the whole one."""
-    share = np.zeros(len(whole_px), np.float32)
-    np.divide(area(visible_px), area(whole_px), out=share, where=_is_box(visible_px))
+def _visible_shares(boxes: TruthBoxes2D, rows: NDArray[np.intp]) -> NDArray[np.float32] | None:
+    """(T,) float32 as recorded, else the area of the visible box over that of the whole one."""
+    if boxes.visible_share is not None:
+        return boxes.visible_share[rows]
+    if boxes.visible_xyxy_px is None:
+        return None
+    visible_px = boxes.visible_xyxy_px[rows]
+    share = np.zeros(len(rows), np.float32)
+    np.divide(area(visible_px), area(boxes.xyxy_px[rows]), out=share, where=_is_box(visible_px))
     share[share > 1] = 1
     return share
 

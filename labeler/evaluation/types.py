@@ -26,13 +26,15 @@ class EvaluationError(HindsightError):
 
 @dataclass(frozen=True)
 class EvaluationConfig:
-    """``confidence``: labels below it are not counted. ``max_distance_m``: truth beyond it is neither hit nor miss.
-    ``classes``: "aware" compares classes, "agnostic" counts a truck called car as a hit.
+    """``confidence``: labels below it are not counted. ``max_distance_m``: truth beyond it is neither hit nor miss, as
+    is truth that shows fewer than ``min_visible_pixels``, where that is recorded. ``classes``: "aware" compares
+    classes, "agnostic" counts a truck called car as a hit.
 
     EvaluationError when a value is out of range."""
 
     confidence: float = 0.8
     max_distance_m: float = 80.0
+    min_visible_pixels: int = 30
     classes: str = "aware"
 
     def __post_init__(self) -> None:
@@ -90,7 +92,7 @@ class LabelRows:
 
 
 @dataclass(frozen=True, eq=False)
-class LabelSource:
+class EvaluatedLabels:
     """The labels of a drive, from wherever they are kept.
 
     ``best_of_track`` maps a track to class id and score of its best observation: the label that it has where cameras
@@ -168,6 +170,7 @@ class Evaluation(TypedDict):
     drive: str
     confidence: float
     max_distance_m: float
+    min_visible_pixels: int
     classes: str
     without_tracking_from: str
     truth_count: int

@@ -23,6 +23,7 @@ from labeler.pipeline.detecting import detect
 from labeler.pipeline.executors import Executor, open_executor
 from labeler.pipeline.memory import PeakMemory
 from labeler.pipeline.reading import read_labelled_frames
+from labeler.pipeline.results import keep_detections
 from labeler.pipeline.settings import LabelSettings
 from labeler.pipeline.stages import AnyUnit, Stage, run_stage
 from labeler.pipeline.tables import read_batches, read_note
@@ -146,8 +147,10 @@ def _summarise(run: _Run, drive: Drive, results: _Results, memory: PeakMemory) -
         peak_memory_mb=round(memory.peak_mb, 1),
         warnings=_warnings(drive, results),
     )
+    key = key_of([path.name for path in (results.identities, *results.labels.values(), *results.boxes_3d)])
+    keep_detections(run.artifacts, key, results.detections)
     return LabelledDrive(
-        key=key_of([path.name for path in (results.identities, *results.labels.values(), *results.boxes_3d)]),
+        key=key,
         class_names=results.class_names,
         tracks=donors.tracks,
         merges=identities.proposals,
