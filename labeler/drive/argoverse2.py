@@ -170,6 +170,7 @@ def _truth_2d(file: Path, frames: tuple[Frame, ...]) -> TruthBoxes2D:
     frame_index = np.array([index_at.get(moment, -1) for moment in moments], dtype=np.int32)
     rows = np.flatnonzero(frame_index >= 0)
     has_visible, has_distance = table.has(*_VISIBLE_BOX), table.has("distance_m")
+    has_share, has_pixels = table.has("visible_share"), table.has("visible_pixels")
     return TruthBoxes2D(
         frame_index=frame_index[rows],
         camera=_taken(cameras, rows),
@@ -178,6 +179,8 @@ def _truth_2d(file: Path, frames: tuple[Frame, ...]) -> TruthBoxes2D:
         xyxy_px=table.floats(*_BOX)[rows].astype(np.float32),
         visible_xyxy_px=table.floats(*_VISIBLE_BOX)[rows].astype(np.float32) if has_visible else None,
         distance_m=table.floats("distance_m")[rows, 0].astype(np.float32) if has_distance else None,
+        visible_share=table.floats("visible_share")[rows, 0].astype(np.float32) if has_share else None,
+        visible_pixels=table.integers("visible_pixels")[rows].astype(np.int32) if has_pixels else None,
     )
 
 

@@ -113,8 +113,9 @@ class TruthBoxes2D:
     """True boxes in images, a row each. ``xyxy_px`` (N, 4) float32 is the box of the whole object.
 
     ``frame_index`` (N,) int32; ``camera``, ``track_uuid`` and ``category`` are tuples of N strings (category as the
-    format names it). ``visible_xyxy_px`` (N, 4) float32 is the box of the visible part and ``distance_m`` (N,) float32
-    the distance, where recorded.
+    format names it). Where recorded: ``visible_xyxy_px`` (N, 4) float32 is the box of the visible part,
+    ``visible_share`` (N,) float32 how much of the object is visible, from 0 to 1, ``visible_pixels`` (N,) int32 how
+    many pixels show it, and ``distance_m`` (N,) float32 the distance.
     """
 
     frame_index: NDArray[np.int32]
@@ -124,6 +125,8 @@ class TruthBoxes2D:
     xyxy_px: NDArray[np.float32]
     visible_xyxy_px: NDArray[np.float32] | None = None
     distance_m: NDArray[np.float32] | None = None
+    visible_share: NDArray[np.float32] | None = None
+    visible_pixels: NDArray[np.int32] | None = None
 
 
 @dataclass(frozen=True, eq=False)

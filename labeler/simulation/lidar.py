@@ -1,9 +1,9 @@
 """A spinning LiDAR on the ego car's roof, by ray casting.
 
 The sensor turns clockwise once around each sweep's time: it starts and ends facing backwards, and faces ahead at the
-sweep's own time. The ego car and the other vehicles go on moving meanwhile, each ray at its own time. As in Argoverse 2,
-points are then given in the ego frame at the sweep's time with the ego car's motion compensated, and theirs is not: a
-moving vehicle's points lie where it was when the ray met it, at most half a turn before or after. Each vehicle is
+sweep's own time. The ego car and the other vehicles go on moving meanwhile, each ray at its own time. As in Argoverse
+2, points are then given in the ego frame at the sweep's time with the ego car's motion compensated, and theirs is not:
+a moving vehicle's points lie where it was when the ray met it, at most half a turn before or after. Each vehicle is
 searched in its own frame, so a moving vehicle needs no new search tree.
 
 A return's strength falls with the square of the distance, with a slanting surface and with the material; a weak one is

@@ -58,9 +58,16 @@ def build_road_network(layout: TownLayout, folder: Path) -> RoadNetwork:
     _write_xml(edges, "edges", "edge", [_edge(layout, index) for index in range(len(layout.edges))])
     run_sumo(
         "netconvert",
-        ["--node-files", str(nodes), "--edge-files", str(edges), "--output-file", str(file)]
-        + ["--offset.disable-normalization", "true", "--no-turnarounds", "true", "--tls.cycle.time", str(_CYCLE_S)]
-        + ["--junctions.internal-link-detail", "16", "--output.street-names", "false", "--precision", "3"],
+        {
+            "node-files": str(nodes),
+            "edge-files": str(edges),
+            "output-file": str(file),
+            "offset.disable-normalization": "true",
+            "no-turnarounds": "true",
+            "tls.cycle.time": str(_CYCLE_S),
+            "junctions.internal-link-detail": "16",
+            "precision": "3",
+        },
     )
     return _read_network(layout, file)
 

@@ -3,7 +3,7 @@
 import importlib.util
 import os
 import subprocess
-from collections.abc import Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Literal
 
@@ -13,12 +13,14 @@ INSTALL_COMMAND = "pip install 'hindsight-labeler[simulation]'"
 _TAIL_CHARACTERS = 600
 
 
-def run_sumo(program: Literal["sumo", "netconvert"], arguments: Sequence[str]) -> None:
-    """Run a program of SUMO to its end.
+def run_sumo(program: Literal["sumo", "netconvert"], options: Mapping[str, str]) -> None:
+    """Run a program of SUMO to its end. ``options`` are named without dashes.
 
     SimulationError when SUMO is not installed, can't be started, or ends with an error, with its own words."""
     home = _sumo_home()
-    command = [str(home / "bin" / program), "--xml-validation", "never", "--no-warnings", "true", *arguments]
+    quiet = {"xml-validation": "never", "no-warnings": "true"}
+    arguments = [word for name, value in (quiet | dict(options)).items() for word in (f"--{name}", value)]
+    command = [str(home / "bin" / program), *arguments]
     environment = os.environ | {"SUMO_HOME": str(home)}
     try:
         ended = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)

@@ -10,8 +10,6 @@ a chain of such straight moves, so the result does not depend on how finely it i
 import numpy as np
 from numpy.typing import NDArray
 
-REAR_AXLE_SHARE = 0.8
-"""How far behind the front bumper the rear axle lies, as a share of the length."""
 _LONGEST_MOVE_M = 10.0
 
 

@@ -1,4 +1,4 @@
-"""Who drives where: vehicles that wander through a simulated town, driven by SUMO, and vehicles parked beside the streets.
+"""Who drives where: vehicles that wander through a simulated town, driven by SUMO, and vehicles parked there.
 
 Each vehicle walks at random over the network, so no route has to be planned and no one leaves the town. SUMO keeps
 lanes, gaps and signals; it writes where every front bumper is, and bodies trail it (see ``tractrix``). The file is read
@@ -10,18 +10,17 @@ those that turn at a crossing come first.
 
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Protocol
-
 import numpy as np
 from numpy.typing import NDArray
 
 from labeler.simulation.errors import SimulationError
-from labeler.simulation.layout import Approach, JunctionId, TownLayout
+from labeler.simulation.layout import Approach, JunctionId, ParkingSlot, TownLayout
 from labeler.simulation.road_network import SPEED_LIMIT_MPS, Lamp, RoadNetwork, build_road_network
 from labeler.simulation.sumo import run_sumo
-from labeler.simulation.tractrix import REAR_AXLE_SHARE, center_of, jumped, trail, wrapped
+from labeler.simulation.tractrix import center_of, jumped, trail, wrapped
+from labeler.simulation.vehicles import VehicleModel
 
 _WARM_UP_S = 20.0
 _LONGEST_STEP_MS = 100
@@ -29,17 +28,6 @@ _TURN_RAD = np.radians(70.0)
 _MODEL_WEIGHT = {"bus": 0.3, "truck": 0.5, "motorcycle": 0.5}
 _BIG = ("bus", "truck")
 _ROUTES_SEED, _PARKING_SEED = 11, 12
-
-
-class Body(Protocol):
-    """What traffic needs to know of a vehicle's model: its length, width and height in metres, and its kind."""
-
-    @property
-    def name(self) -> str: ...
-    @property
-    def category(self) -> str: ...
-    @property
-    def size_m(self) -> Sequence[float] | NDArray[np.floating]: ...
 
 
 @dataclass(frozen=True)
@@ -96,13 +84,14 @@ class Traffic:
     ego_id: int
     _network: RoadNetwork
     _lengths_m: NDArray[np.float64]
+    _rear_axles_m: NDArray[np.float64]
     _file: Path
 
     def frames(self) -> Iterator[TrafficFrame]:
         """Every moment in turn, read from SUMO's file. SimulationError when vehicles are missing in one."""
         every = _steps_per_frame(self.config)
         step_s = self.config.period_ms / 1000 / every
-        for step, placement in _placements(self._file, self._lengths_m, step_s):
+        for step, placement in _placements(_bodies(self._file, self._lengths_m, self._rear_axles_m), step_s):
             since_start = step - _first_step(self.config)
             if since_start < 0 or since_start % every:
                 continue
@@ -115,7 +104,7 @@ class Traffic:
                     f"{missing} of {self.config.vehicles} vehicles found no room in the town. "
                     "Take fewer vehicles or a larger town."
                 )
-            lamps = {
+            lamps: dict[tuple[JunctionId, Approach], Lamp] = {
                 (program.junction_id, approach): program.lamp_at(approach, step * step_s)
                 for program in self._network.programs
                 for approach in program.lamps
@@ -123,7 +112,7 @@ class Traffic:
             yield TrafficFrame(index, placement, lamps)
 
 
-def simulate_traffic(layout: TownLayout, fleet: Sequence[Body], config: TrafficConfig, folder: Path) -> Traffic:
+def simulate_traffic(layout: TownLayout, fleet: Sequence[VehicleModel], config: TrafficConfig, folder: Path) -> Traffic:
     """Let traffic run in a town; SUMO's files are kept in ``folder``, from which frames are read later.
 
     SimulationError when SUMO is missing or fails, or when the town has no room for all vehicles."""
@@ -137,32 +126,44 @@ def simulate_traffic(layout: TownLayout, fleet: Sequence[Body], config: TrafficC
     end_s = (_first_step(config) + config.frames * every + 1) * config.period_ms / 1000 / every
     run_sumo(
         "sumo",
-        ["--net-file", str(network.file), "--additional-files", str(network.signals_file)]
-        + ["--route-files", str(routes), "--fcd-output", str(file), "--fcd-output.attributes", "x,y,angle,speed"]
-        + ["--precision", "4", "--step-length", f"{config.period_ms / 1000 / every:.3f}", "--end", f"{end_s:.3f}"]
-        + ["--seed", str(config.seed), "--lanechange.duration", "2.5", "--time-to-teleport", "-1"]
-        + ["--collision.action", "none", "--no-step-log", "true"],
+        {
+            "net-file": str(network.file),
+            "additional-files": str(network.signals_file),
+            "route-files": str(routes),
+            "fcd-output": str(file),
+            "fcd-output.attributes": "x,y,angle,speed",
+            "precision": "4",
+            "step-length": f"{config.period_ms / 1000 / every:.3f}",
+            "end": f"{end_s:.3f}",
+            "seed": str(config.seed),
+            "lanechange.duration": "2.5",
+            "time-to-teleport": "-1",
+            "collision.action": "none",
+            "no-step-log": "true",
+        },
     )
     parked_models, parked = _park(layout, fleet, config)
-    models = [body.name for body in (*driving, *parked_models)]
+    models = [model.name for model in (*driving, *parked_models)]
     traffic = Traffic(
         config=config,
         models={index + 1: name for index, name in enumerate(models)},
         parked=parked,
         ego_id=1,
         _network=network,
-        _lengths_m=np.array([float(body.size_m[0]) for body in driving]),
+        _lengths_m=np.array([model.size_m[0] for model in driving]),
+        _rear_axles_m=np.array([model.size_m[0] / 2 - model.rear_axle_m for model in driving]),
         _file=file,
     )
-    cars = [index + 1 for index, body in enumerate(driving) if body.category == "car"]
-    return Traffic(**{**vars(traffic), "ego_id": _choose_ego(traffic, cars)})
+    cars = [index + 1 for index, model in enumerate(driving) if model.category == "car"]
+    return replace(traffic, ego_id=_choose_ego(traffic, cars))
 
 
-def _choose_models(rng: np.random.Generator, fleet: Sequence[Body], count: int) -> list[Body]:
+def _choose_models(rng: np.random.Generator, fleet: Sequence[VehicleModel], count: int) -> list[VehicleModel]:
     """The first is a car, as the ego car has to be one."""
-    weights = np.array([_MODEL_WEIGHT.get(body.category, 1.0) for body in fleet])
-    chosen = [fleet[int(k)] for k in rng.choice(len(fleet), size=count, p=weights / weights.sum())]
-    cars = [body for body in fleet if body.category == "car"]
+    driven = [model for model in fleet if model.drives]
+    weights = np.array([_MODEL_WEIGHT.get(model.category, 1.0) for model in driven])
+    chosen = [driven[int(k)] for k in rng.choice(len(driven), size=count, p=weights / weights.sum())]
+    cars = [model for model in driven if model.category == "car"]
     if not cars:
         raise SimulationError("The fleet holds no car that could be the ego car.")
     chosen[0] = cars[int(rng.integers(len(cars)))]
@@ -174,19 +175,19 @@ def _write_routes(
     rng: np.random.Generator,
     network: RoadNetwork,
     layout: TownLayout,
-    fleet: Sequence[Body],
-    driving: Sequence[Body],
+    fleet: Sequence[VehicleModel],
+    driving: Sequence[VehicleModel],
     config: TrafficConfig,
 ) -> None:
     """A type for each model, and for each vehicle a random walk that is long enough for the whole drive."""
     root = ET.Element("routes")
-    for body in fleet:
-        length_m, width_m = float(body.size_m[0]), float(body.size_m[1])
-        big = body.category in _BIG
+    for model in fleet:
+        length_m, width_m, _ = model.size_m
+        big = model.category in _BIG
         ET.SubElement(
             root,
             "vType",
-            {"id": body.name, "length": f"{length_m:.3f}", "width": f"{width_m:.3f}", "minGap": "2.0"}
+            {"id": model.name, "length": f"{length_m:.3f}", "width": f"{width_m:.3f}", "minGap": "2.0"}
             | {"accel": "1.3" if big else "2.4", "decel": "4.0", "maxSpeed": "11" if big else "15"}
             | {"sigma": "0.5", "speedDev": "0.12", "lcSpeedGain": "0.6"},
         )
@@ -194,7 +195,7 @@ def _write_routes(
     shortest_m = min(edge.length_m for edge in layout.edges)
     edges_each = int(duration_s * SPEED_LIMIT_MPS * 1.3 / shortest_m) + 5
     starts = sorted(network.following)
-    for index, body in enumerate(driving):
+    for index, model in enumerate(driving):
         walk = [starts[int(rng.integers(len(starts)))]]
         while len(walk) < edges_each:
             ways_on = network.following[walk[-1]]
@@ -202,33 +203,33 @@ def _write_routes(
         vehicle = ET.SubElement(
             root,
             "vehicle",
-            {"id": str(index + 1), "type": body.name, "depart": "0", "departSpeed": "0"}
+            {"id": str(index + 1), "type": model.name, "depart": "0", "departSpeed": "0"}
             | {"departLane": "best", "departPos": "random_free"},
         )
         ET.SubElement(vehicle, "route", {"edges": " ".join(walk)})
     ET.ElementTree(root).write(file, encoding="utf-8", xml_declaration=True)
 
 
-def _park(layout: TownLayout, fleet: Sequence[Body], config: TrafficConfig) -> tuple[list[Body], Placement]:
+def _park(
+    layout: TownLayout, fleet: Sequence[VehicleModel], config: TrafficConfig
+) -> tuple[list[VehicleModel], Placement]:
     """Vehicles on a share of the parking slots, a little askew, as people park."""
     rng = np.random.default_rng([config.seed, _PARKING_SEED])
     taken = [slot for slot in layout.slots if rng.random() < config.parked_share]
-    models: list[Body] = []
+    models: list[VehicleModel] = []
     places: list[tuple[float, float, float]] = []
     for slot in taken:
-        fitting = [
-            body for body in fleet if body.size_m[0] < slot.length_m - 0.5 and body.size_m[1] < slot.width_m - 0.1
-        ]
+        fitting = [model for model in fleet if model.parks and _fits(model, slot)]
         if not fitting:
             continue
-        weights = np.array([_MODEL_WEIGHT.get(body.category, 1.0) for body in fitting])
-        body = fitting[int(rng.choice(len(fitting), p=weights / weights.sum()))]
-        free_m = slot.length_m - float(body.size_m[0]) - 0.4
+        weights = np.array([_MODEL_WEIGHT.get(model.category, 1.0) for model in fitting])
+        model = fitting[int(rng.choice(len(fitting), p=weights / weights.sum()))]
+        free_m = slot.length_m - model.size_m[0] - 0.4
         along_m, aside_m = rng.uniform(-0.5, 0.5) * free_m, float(np.clip(rng.normal(0, 0.05), -0.1, 0.1))
         cos, sin = np.cos(slot.yaw_rad), np.sin(slot.yaw_rad)
         yaw_rad = slot.yaw_rad + float(np.clip(rng.normal(0, 0.012), -0.03, 0.03))
         places.append((slot.x_m + cos * along_m - sin * aside_m, slot.y_m + sin * along_m + cos * aside_m, yaw_rad))
-        models.append(body)
+        models.append(model)
     at = np.array(places, dtype=np.float64).reshape(-1, 3)
     count = len(models)
     return models, Placement(
@@ -240,6 +241,10 @@ def _park(layout: TownLayout, fleet: Sequence[Body], config: TrafficConfig) -> t
         velocity_mps=np.zeros((count, 2)),
         yaw_rate_radps=np.zeros(count),
     )
+
+
+def _fits(model: VehicleModel, slot: ParkingSlot) -> bool:
+    return model.size_m[0] < slot.length_m - 0.5 and model.size_m[1] < slot.width_m - 0.1
 
 
 def _choose_ego(traffic: Traffic, cars: Sequence[int]) -> int:
@@ -267,10 +272,10 @@ def _first_step(config: TrafficConfig) -> int:
     return round(_WARM_UP_S * 1000 / config.period_ms) * _steps_per_frame(config)
 
 
-def _placements(file: Path, lengths_m: NDArray[np.float64], step_s: float) -> Iterator[tuple[int, Placement]]:
+def _placements(steps: "Iterator[_Bodies]", step_s: float) -> Iterator[tuple[int, Placement]]:
     """Every step but the first and the last, with the velocity between its neighbours."""
     before = now = None
-    for step, after in enumerate(_bodies(file, lengths_m)):
+    for step, after in enumerate(steps):
         if before is not None and now is not None and len(before[0]) == len(now[0]) == len(after[0]):
             ids, center_m, yaw_rad, speed_mps = now
             yield (
@@ -291,8 +296,10 @@ def _placements(file: Path, lengths_m: NDArray[np.float64], step_s: float) -> It
 _Bodies = tuple[NDArray[np.int32], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
 
 
-def _bodies(file: Path, lengths_m: NDArray[np.float64]) -> Iterator[_Bodies]:
-    """Ids, centres (V, 2), yaws and speeds of each step, the bodies trailing SUMO's front bumpers."""
+def _bodies(file: Path, lengths_m: NDArray[np.float64], rear_axles_m: NDArray[np.float64]) -> Iterator[_Bodies]:
+    """Ids, centres (V, 2), yaws and speeds of each step, the bodies trailing SUMO's front bumpers.
+
+    ``rear_axles_m`` are the distances from front bumpers to rear axles."""
     count = len(lengths_m)
     front_m, yaw_rad = np.full((count, 2), np.nan), np.zeros(count)
     for rows in _read_fcd(file):
@@ -300,7 +307,7 @@ def _bodies(file: Path, lengths_m: NDArray[np.float64]) -> Iterator[_Bodies]:
         values = np.array([rows[int(k) + 1] for k in index], dtype=np.float64).reshape(-1, 4)
         after_m, lane_yaw_rad = values[:, :2], wrapped(np.pi / 2 - np.radians(values[:, 2]))
         before_m = front_m[index]
-        trailing_rad = trail(before_m, after_m, yaw_rad[index], REAR_AXLE_SHARE * lengths_m[index])
+        trailing_rad = trail(before_m, after_m, yaw_rad[index], rear_axles_m[index])
         fresh = np.isnan(before_m).any(axis=1) | jumped(before_m, after_m)
         front_m[index], yaw_rad[index] = after_m, np.where(fresh, lane_yaw_rad, trailing_rad)
         yield index + 1, center_of(after_m, yaw_rad[index], lengths_m[index]), yaw_rad[index].copy(), values[:, 3]

@@ -89,7 +89,8 @@ def test_truth(argoverse2_log: Path, write_table: WriteTable) -> None:
     write_table(
         argoverse2_log / "annotations_2d.feather",
         {"timestamp_ns": [image_ns, image_ns], "camera": ["ring_rear", "gone"], "track_uuid": ["car", "x"],
-         "category": ["BUS", "x"], **boxes, **visible, "distance_m": [12.5, 0]},
+         "category": ["BUS", "x"], **boxes, **visible, "distance_m": [12.5, 0],
+         "visible_share": [0.25, 1], "visible_pixels": [40, 9]},
     )  # fmt: skip
     drive = open_drive(argoverse2_log)
     truth = drive.read_truth(drive.frames)
@@ -106,6 +107,10 @@ def test_truth(argoverse2_log: Path, write_table: WriteTable) -> None:
     assert truth.boxes_2d.xyxy_px.tolist() == [[1, 2, 3, 4]]
     assert truth.boxes_2d.visible_xyxy_px is not None
     assert truth.boxes_2d.visible_xyxy_px.tolist() == [[1.5, 2.5, 3.5, 4.5]]
+    assert truth.boxes_2d.visible_share is not None
+    assert truth.boxes_2d.visible_share.tolist() == [0.25]
+    assert truth.boxes_2d.visible_pixels is not None
+    assert truth.boxes_2d.visible_pixels.tolist() == [40]
     assert truth.boxes_2d.distance_m is not None
     assert truth.boxes_2d.distance_m.tolist() == [12.5]
 
