@@ -7,22 +7,20 @@ that lets other Python threads run (detection) use ``workers`` threads in this p
 
 from __future__ import annotations
 
-import multiprocessing
 import os
 import signal
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures import Future
 from concurrent.futures.process import BrokenProcessPool
+from importlib import import_module
 from types import TracebackType
-from typing import Protocol, TypeVar
+from typing import Any, Protocol, TypeVar
 
 from labeler.errors import HindsightError
 
 Unit = TypeVar("Unit")
 Result = TypeVar("Result")
-
-_PRELOAD = ["labeler.pipeline.units"]
 
 
 class WorkerError(HindsightError):
@@ -70,12 +68,13 @@ class SerialExecutor:
 class ProcessesExecutor:
     """Units in worker processes, which start when there is first more than one unit to do.
 
-    Workers come from a fork server where the system has one: a fork of this process would copy its threads' locks.
+    The workers are loky's: they start afresh (a fork of this process would copy its threads' locks), and unlike those
+    of the standard library they don't run the caller's main module again, so scripts need no guard around theirs.
     """
 
     def __init__(self, workers: int | None = None) -> None:
         self._workers = workers or usable_cores()
-        self._pool: ProcessPoolExecutor | None = None
+        self._pool: Any = None
 
     @property
     def workers(self) -> int:
@@ -102,13 +101,10 @@ class ProcessesExecutor:
                 "with --workers 1 if it happens again."
             ) from error
 
-    def _start(self) -> ProcessPoolExecutor:
+    def _start(self) -> Any:
         if self._pool is None:
-            methods = multiprocessing.get_all_start_methods()
-            context = multiprocessing.get_context("forkserver" if "forkserver" in methods else "spawn")
-            if "forkserver" in methods:
-                context.set_forkserver_preload(_PRELOAD)
-            self._pool = ProcessPoolExecutor(self._workers, mp_context=context, initializer=_leave_interrupts_to_parent)
+            loky: Any = import_module("loky")  # it has no types of its own
+            self._pool = loky.ProcessPoolExecutor(self._workers, initializer=_leave_interrupts_to_parent)
         return self._pool
 
     def __enter__(self) -> ProcessesExecutor:
@@ -118,7 +114,7 @@ class ProcessesExecutor:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         if self._pool is not None:
-            self._pool.shutdown(wait=True, cancel_futures=True)
+            self._pool.shutdown(wait=True, kill_workers=error is not None)
             self._pool = None
 
 
