@@ -71,6 +71,13 @@ def create_app(settings: Settings, *, static_folder: Path = STATIC_FOLDER) -> Fa
         docs_url=None,
         redoc_url=None,
         openapi_url="/api/openapi.json",
+        telemetry={  # nothing leaves the machine, whatever the environment says
+            "tracing": False,
+            "metrics": False,
+            "logs": False,
+            "operation_spans": False,
+            "auto_configure": False,
+        },
     )
     app.state.settings = settings
     app.state.stopping = threading.Event()

@@ -37,31 +37,44 @@ def open_socket(host: str, port: int) -> socket.socket:
         ) from error
 
 
-def url_of(listening: socket.socket, host: str) -> str:
-    """Where a browser on this machine finds the server."""
-    port = listening.getsockname()[1]
-    name = {"0.0.0.0": "localhost", "::": "localhost", "::1": "[::1]"}.get(host, host)
-    return f"http://{name}:{port}/"
+class Server:
+    """The web server on a listening socket; :meth:`run` it in the main thread to let Ctrl-C stop it.
+
+    Endless answers are told before uvicorn begins to stop, because it waits for them. ``on_ready`` is called when the
+    first request can be answered.
+    """
+
+    def __init__(self, app: FastAPI, listening: socket.socket, *, on_ready: Callable[[], None]) -> None:
+        self._listening = listening
+        config = uvicorn.Config(
+            app,
+            log_level="warning",
+            access_log=False,
+            timeout_graceful_shutdown=GRACE_SECONDS,
+            server_header=False,
+        )
+        self._server = _UvicornServer(config, app.state.stopping, on_ready)
+
+    @property
+    def url(self) -> str:
+        """Where a browser on this machine finds it."""
+        address, port = self._listening.getsockname()[:2]
+        name = {"0.0.0.0": "localhost", "::": "localhost", "::1": "[::1]"}.get(address, address)
+        return f"http://{name}:{port}/"
+
+    def run(self) -> None:
+        """Serve until it is stopped."""
+        self._server.run(sockets=[self._listening])
+
+    def stop(self) -> None:
+        """Let :meth:`run` end, from any thread."""
+        self._server.handle_exit(signal.SIGTERM, None)
 
 
-def run_server(app: FastAPI, listening: socket.socket, *, on_ready: Callable[[], None]) -> None:
-    """Serve until a signal comes. ``on_ready`` is called when the first request can be answered."""
-    config = uvicorn.Config(
-        app,
-        log_level="warning",
-        access_log=False,
-        timeout_graceful_shutdown=GRACE_SECONDS,
-        server_header=False,
-    )
-    _Server(config, app, on_ready).run(sockets=[listening])
-
-
-class _Server(uvicorn.Server):
-    """Tells the app's endless answers that the server stops: uvicorn waits for them."""
-
-    def __init__(self, config: uvicorn.Config, app: FastAPI, on_ready: Callable[[], None]) -> None:
+class _UvicornServer(uvicorn.Server):
+    def __init__(self, config: uvicorn.Config, stopping: threading.Event, on_ready: Callable[[], None]) -> None:
         super().__init__(config)
-        self._stopping: threading.Event = app.state.stopping
+        self._stopping = stopping
         self._on_ready = on_ready
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:

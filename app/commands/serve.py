@@ -5,6 +5,7 @@ import signal
 import threading
 import webbrowser
 from collections.abc import Sequence
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Annotated
 
@@ -16,7 +17,7 @@ from app.db.session import Store
 from app.drives import service as drives_service
 from app.drives.schemas import DriveRegistration, DriveState
 from app.main import create_app
-from app.serving import open_socket, run_server, url_of, worker_beside
+from app.serving import Server, open_socket, worker_beside
 from app.settings import Settings, load_settings
 from app.worker import run_worker
 
@@ -57,22 +58,17 @@ def worker(
 def serve_page(settings: Settings, *, drives: Sequence[Path] = (), open_browser: bool, with_worker: bool) -> None:
     """Serve until Ctrl-C, after registering ``drives``."""
     _log_to_stderr()
-    listening = open_socket(settings.host, settings.port)
-    with listening:
+    with open_socket(settings.host, settings.port) as listening:
         _register(settings, drives)
-        url = url_of(listening, settings.host)
 
         def on_ready() -> None:
-            typer.echo(f"Hindsight is at {url} (Ctrl-C stops it).", err=True)
+            typer.echo(f"Hindsight is at {server.url} (Ctrl-C stops it).", err=True)
             if open_browser:
-                webbrowser.open(url)
+                webbrowser.open(server.url)
 
-        app = create_app(settings)
-        if with_worker:
-            with worker_beside(settings):
-                run_server(app, listening, on_ready=on_ready)
-        else:
-            run_server(app, listening, on_ready=on_ready)
+        server = Server(create_app(settings), listening, on_ready=on_ready)
+        with worker_beside(settings) if with_worker else nullcontext():
+            server.run()
 
 
 def _register(settings: Settings, drives: Sequence[Path]) -> None:

@@ -26,6 +26,7 @@ from app.errors import BadArchive, DiskFull, UploadTooLarge
 CHUNK_BYTES = 1024 * 1024
 FREE_UNPACK_BYTES = 64 * 1024**2
 """Archives may unpack to this much whatever their own size is."""
+MAX_HEADER_BYTES = 16 * CHUNK_BYTES
 MAX_PATH_PARTS = 32
 
 
@@ -77,23 +78,25 @@ def _unpack_zip(archive: Path, writer: "_Writer") -> None:
 
 
 def _unpack_tar(archive: Path, start: bytes, writer: "_Writer") -> None:
-    with _open_stream(archive, start) as stream:
-        try:
-            content = tarfile.open(fileobj=cast(IO[bytes], _Bounded(stream)), mode="r:")  # noqa: SIM115
-        except (tarfile.TarError, EOFError, OSError, zlib.error, lzma.LZMAError) as error:
-            message = "The upload is neither a zip nor a tar archive. Pack the drive's folder as one."
-            raise BadArchive(message) from error
-        with content:
-            for info in content:
-                if info.isdir():
-                    writer.add_folder(info.name)
-                elif info.isreg():
-                    source = content.extractfile(info)
-                    assert source is not None
-                    with source:
-                        writer.add_file(info.name, source)
-                else:
-                    raise BadArchive(_not_plain(info.name))
+    with _open_stream(archive, start) as stream, _open_tar(stream) as content:
+        for info in content:
+            if info.isdir():
+                writer.add_folder(info.name)
+            elif info.isreg():
+                source = content.extractfile(info)
+                assert source is not None
+                with source:
+                    writer.add_file(info.name, source)
+            else:
+                raise BadArchive(_not_plain(info.name))
+
+
+def _open_tar(stream: IO[bytes]) -> tarfile.TarFile:
+    try:
+        return tarfile.open(fileobj=cast(IO[bytes], _Bounded(stream)), mode="r:")
+    except (tarfile.TarError, EOFError, OSError, zlib.error, lzma.LZMAError) as error:
+        message = "The upload is neither a zip nor a tar archive. Pack the drive's folder as one."
+        raise BadArchive(message) from error
 
 
 def _open_stream(archive: Path, start: bytes) -> IO[bytes]:
@@ -114,7 +117,7 @@ class _Bounded:
         self._stream = stream
 
     def read(self, size: int = -1) -> bytes:
-        if not 0 <= size <= FREE_UNPACK_BYTES:
+        if not 0 <= size <= MAX_HEADER_BYTES:
             raise BadArchive("A header in the archive is larger than any real one. Pack the drive's folder again.")
         return self._stream.read(size)
 

@@ -77,7 +77,7 @@ def register_drive(store: Store, settings: Settings, registration: DriveRegistra
 
 def add_local_drive(store: Store, registration: DriveRegistration) -> Drive:
     """Take a folder of this machine's disk; one that is known already is answered as it is."""
-    path = Path(registration.path).expanduser()
+    path = _expand_user(registration.path)
     if not path.is_absolute():
         raise UnusableDrive(
             f"{registration.path} is not a whole path. Name the folder from the root, as in /data/drive."
@@ -87,6 +87,13 @@ def add_local_drive(store: Store, registration: DriveRegistration) -> Drive:
         known = repository.find_by_path(session, str(recorded.root), registration.scene)
         row = known or add_drive(session, recorded, path=str(recorded.root), scene=registration.scene, uploaded=False)
         return drive_of(session, row)
+
+
+def _expand_user(path: str) -> Path:
+    try:
+        return Path(path).expanduser()
+    except RuntimeError:  # no such user
+        return Path(path)
 
 
 def open_recorded_drive(path: Path, *, scene: str | None = None) -> RecordedDrive:

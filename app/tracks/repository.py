@@ -1,9 +1,9 @@
 """SQL about what the labeler found."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
-from sqlalchemy import and_, delete, func, insert, or_, select, update
+from sqlalchemy import CursorResult, and_, delete, func, insert, or_, select, update
 from sqlalchemy.orm import Session, aliased
 
 from app.db.base import Base
@@ -291,7 +291,7 @@ def relabel(
         update(LabelRow).where(ours, differs).values(source="propagated", **given), execution_options=options
     )
     session.execute(update(LabelRow).where(ours, is_donor).values(source="auto"), execution_options=options)
-    return changed.rowcount  # pyright: ignore[reportAttributeAccessIssue]
+    return cast("CursorResult[Any]", changed).rowcount
 
 
 def camera_names(session: Session, drive_id: int) -> dict[int, str]:
