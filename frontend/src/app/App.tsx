@@ -1,5 +1,4 @@
 import { Button, Center, MantineProvider, Stack, Text } from "@mantine/core";
-import { Notifications } from "@mantine/notifications";
 import { QueryClientProvider } from "@tanstack/react-query";
 import { lazy, Suspense } from "react";
 import { Link, Route, Switch } from "wouter";
@@ -15,7 +14,6 @@ const ReviewPage = lazy(() => import("../review/ReviewPage").then((module) => ({
 export function App() {
   return (
     <MantineProvider theme={theme} defaultColorScheme="auto">
-      <Notifications position="bottom-left" autoClose={6000} limit={3} />
       <QueryClientProvider client={queryClient}>
         <ConnectionBanner />
         <CrashBoundary>

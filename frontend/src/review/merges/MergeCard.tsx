@@ -71,9 +71,9 @@ export function MergeCard({ merge, open, onOpen, onDecide, width }: MergeCardPro
               p="xs"
               className={classes.refusal}
               icon={<IconAlertTriangle size={16} />}
-              title={text.merges.refused}
+              title={refusal.title}
             >
-              {refusal}
+              {refusal.message}
             </Alert>
           )}
           <div className={classes.decide}>
@@ -111,7 +111,7 @@ function Decide({ merge, onDecide }: { merge: Merge; onDecide: (decision: Decisi
           {text.merges.reject} <Key shown="R" />
         </Button>
       )}
-      {!proposed && (
+      {merge.decided_by === "person" && !proposed && (
         <Button
           size="xs"
           px={10}

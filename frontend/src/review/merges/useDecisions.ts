@@ -1,6 +1,5 @@
 /** Accept, reject, undo: shown at once, saved behind it, taken back with the server's sentence if it refuses. */
 
-import { notifications } from "@mantine/notifications";
 import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
 import { useCallback, useMemo } from "react";
 import { create } from "zustand";
@@ -13,16 +12,23 @@ import { afterDecision, bestFrame, mergesOf } from "./order";
 
 export type Decision = "accept" | "reject" | "undo";
 
-const STATE_AFTER: Record<Decision, MergeState> = { accept: "accepted", reject: "rejected", undo: "proposed" };
+/** What a decision makes of a merge. What undoing makes of it only the server knows: what the machine had said. */
+const STATE_AFTER: Record<Exclude<Decision, "undo">, MergeState> = { accept: "accepted", reject: "rejected" };
+
+export interface Refusal {
+  title: string;
+  message: string;
+}
 
 /** Why the server refused a decision, by merge; shown on its card until the next try. */
-export const useRefusals = create<{ byMerge: Record<number, string>; set: (id: number, why: string | null) => void }>()(
-  (set) => ({
-    byMerge: {},
-    set: (id, why) =>
-      set(({ byMerge: { [id]: _, ...rest } }) => ({ byMerge: why === null ? rest : { ...rest, [id]: why } })),
-  }),
-);
+export const useRefusals = create<{
+  byMerge: Record<number, Refusal>;
+  set: (id: number, why: Refusal | null) => void;
+}>()((set) => ({
+  byMerge: {},
+  set: (id, why) =>
+    set(({ byMerge: { [id]: _, ...rest } }) => ({ byMerge: why === null ? rest : { ...rest, [id]: why } })),
+}));
 
 function post(decision: Decision, mergeId: number) {
   const at = { params: { path: { merge_id: mergeId } } };
@@ -52,24 +58,32 @@ export function useDecisions() {
   const replace = (merge: Merge) =>
     client.setQueryData<Merge[]>(key, (all) => all?.map((one) => (one.id === merge.id ? merge : one)));
 
+  const forget = (id: number) => {
+    const { decided, setDecided } = store.getState();
+    setDecided(decided.filter((one) => one !== id));
+  };
+
   const { mutate } = useMutation({
     mutationKey,
     scope: { id: `decide-${driveId}` },
     mutationFn: ({ merge, decision }: { merge: Merge; decision: Decision }) => post(decision, merge.id),
-    onSuccess: (change, { decision, merge }) => {
+    onSuccess: (change, { decision }) => {
       replace(change.merge);
       observations.invalidate(change.revision);
       frames.refreshObservations();
-      const { decided, setDecided, mergeId, select } = store.getState();
-      setDecided(decision === "undo" ? decided.filter((id) => id !== merge.id) : [...decided, merge.id]);
-      if (mergeId === null) select(change.identity_ids);
+      const { mergeId, select } = store.getState();
+      if (decision === "undo") {
+        forget(change.merge.id);
+        open(change.merge);
+      } else if (mergeId === null) select(change.identity_ids);
     },
     onError: (cause, { merge }) => {
       replace(merge);
-      const conflict = cause instanceof ApiError && cause.status === 409;
-      useRefusals.getState().set(merge.id, messageOf(cause));
+      forget(merge.id);
+      const impossible = cause instanceof ApiError && cause.code === "cannot_link";
+      const title = impossible ? text.merges.refused : text.merges.failed;
+      useRefusals.getState().set(merge.id, { title, message: messageOf(cause) });
       open(merge);
-      if (!conflict) notifications.show({ color: "red", title: text.merges.failed, message: messageOf(cause) });
     },
     onSettled: async () => {
       // Others may be on their way: the last one asks for the whole truth, or it would undo what they show.
@@ -78,15 +92,18 @@ export function useDecisions() {
   });
 
   const decide = (merge: Merge, decision: Decision) => {
+    useRefusals.getState().set(merge.id, null);
+    if (decision === "undo") {
+      if (merge.decided_by === "person") mutate({ merge, decision });
+      return;
+    }
     if (merge.state === STATE_AFTER[decision]) return;
     void client.cancelQueries({ queryKey: key });
-    useRefusals.getState().set(merge.id, null);
-    const all = client.getQueryData<Merge[]>(key) ?? [];
-    const shown = mergesOf(all, merge.state);
-    const decided: Merge = { ...merge, state: STATE_AFTER[decision], decided_by: "person" };
-    replace(decided);
-    if (decision === "undo") open(decided);
-    else if (store.getState().mergeId === merge.id) {
+    forget(merge.id);
+    store.getState().setDecided([...store.getState().decided, merge.id]);
+    const shown = mergesOf(client.getQueryData<Merge[]>(key) ?? [], merge.state);
+    replace({ ...merge, state: STATE_AFTER[decision], decided_by: "person" });
+    if (store.getState().mergeId === merge.id) {
       const next = afterDecision(shown, merge.id);
       if (next) open(next);
       else store.setState({ mergeId: null });
@@ -94,14 +111,14 @@ export function useDecisions() {
     mutate({ merge, decision });
   };
 
-  /** Undoes the open merge if it is decided, otherwise the latest decision of this visit. */
+  /** Undoes the open merge if a person decided it, otherwise the latest decision of this visit. */
   const undoLast = () => {
     const all = client.getQueryData<Merge[]>(key) ?? [];
     const { mergeId, decided } = store.getState();
     const openMerge = all.find((merge) => merge.id === mergeId);
     const last = all.find((merge) => merge.id === decided.at(-1));
-    const merge = openMerge && openMerge.state !== "proposed" ? openMerge : last;
-    if (merge && merge.state !== "proposed") decide(merge, "undo");
+    const merge = openMerge?.decided_by === "person" ? openMerge : last;
+    if (merge) decide(merge, "undo");
   };
 
   return { decide, undoLast, open };
