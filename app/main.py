@@ -16,6 +16,7 @@ from app.db.session import Store
 from app.drives.endpoints import router as drives_router
 from app.drives.upload import remove_leftovers
 from app.errors import ErrorBody, install_error_handlers
+from app.evaluation.endpoints import router as evaluation_router
 from app.exports.endpoints import router as exports_router
 from app.identities.endpoints import router as identities_router
 from app.jobs.endpoints import router as jobs_router
@@ -89,6 +90,7 @@ def create_app(settings: Settings, *, static_folder: Path = STATIC_FOLDER) -> Fa
         identities_router,
         merges_router,
         jobs_router,
+        evaluation_router,
         exports_router,
         media_router,
         scene_router,

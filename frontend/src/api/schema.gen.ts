@@ -349,6 +349,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/drives/{drive_id}/evaluation": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Evaluation
+         * @description Compare the drive's labels with its truth; 409 before it is labelled, 404 where it comes without truth.
+         */
+        get: operations["get_evaluation"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/drives/{drive_id}/exports": {
         parameters: {
             query?: never;
@@ -490,6 +510,25 @@ export interface paths {
 export type webhooks = Record<string, never>;
 export interface components {
     schemas: {
+        /**
+         * BinRecall
+         * @description Recall of whole boxes over all cameras, of the objects whose value lies from start to stop.
+         */
+        BinRecall: {
+            method: components["schemas"]["Method"];
+            /** Iou */
+            iou: number;
+            /** Start */
+            start: number;
+            /** Stop */
+            stop: number;
+            /** Recall */
+            recall: number | null;
+            /** Tp */
+            tp: number;
+            /** Fn */
+            fn: number;
+        };
         /** Camera */
         Camera: {
             /** Name */
@@ -501,6 +540,16 @@ export interface components {
             /** Has Calibration */
             has_calibration: boolean;
         };
+        /**
+         * CameraGroup
+         * @enum {string}
+         */
+        CameraGroup: "all" | "front";
+        /**
+         * ClassMode
+         * @enum {string}
+         */
+        ClassMode: "aware" | "agnostic";
         /**
          * DecidedBy
          * @enum {string}
@@ -639,6 +688,52 @@ export interface components {
             code: string;
             /** Message */
             message: string;
+        };
+        /**
+         * Evaluation
+         * @description How the labels of a drive compare with its truth.
+         */
+        Evaluation: {
+            /** Drive */
+            drive: string;
+            /** Confidence */
+            confidence: number;
+            /** Max Distance M */
+            max_distance_m: number;
+            /** Min Visible Pixels */
+            min_visible_pixels: number;
+            classes: components["schemas"]["ClassMode"];
+            /**
+             * Without Tracking From
+             * @description "detections", or "observations" where the detections are not kept: then those in tracks only.
+             */
+            without_tracking_from: string;
+            /**
+             * Truth Count
+             * @description True objects that count, one for each image.
+             */
+            truth_count: number;
+            /**
+             * Dont Care Count
+             * @description Regions and objects that are neither hit nor miss.
+             */
+            dont_care_count: number;
+            /** Rows */
+            rows: components["schemas"]["TableRow"][];
+            /**
+             * By Distance
+             * @description Bins in metres.
+             */
+            by_distance: components["schemas"]["BinRecall"][];
+            /**
+             * By Visible Share
+             * @description Bins from 0 to 1; empty where the share is not known.
+             */
+            by_visible_share: components["schemas"]["BinRecall"][];
+            /** Curves */
+            curves: components["schemas"]["PrecisionRecallCurve"][];
+            tracking: components["schemas"]["TrackingScores"];
+            merges: components["schemas"]["MergeScores"];
         };
         /**
          * Export
@@ -888,10 +983,28 @@ export interface components {
             iou_3d: number;
         };
         /**
+         * MergeScores
+         * @description Vehicles in two or more cameras that were found or missed, and identities of several true objects.
+         */
+        MergeScores: {
+            /** Right */
+            right: number;
+            /** Wrong */
+            wrong: number;
+            /** Missed */
+            missed: number;
+        };
+        /**
          * MergeState
          * @enum {string}
          */
         MergeState: "proposed" | "accepted" | "rejected";
+        /**
+         * Method
+         * @description The detector alone, tracks inside each camera, identities over all cameras.
+         * @enum {string}
+         */
+        Method: "without-tracking" | "single-camera" | "multi-camera";
         /**
          * Model
          * @description A model file that the server was told about.
@@ -946,6 +1059,23 @@ export interface components {
             frames: components["schemas"]["FrameObservations"][];
         };
         /**
+         * PrecisionRecallCurve
+         * @description Precision and recall of whole boxes over all cameras, by threshold.
+         */
+        PrecisionRecallCurve: {
+            method: components["schemas"]["Method"];
+            /** Iou */
+            iou: number;
+            /** Average Precision */
+            average_precision: number | null;
+            /** Threshold */
+            threshold: number[];
+            /** Precision */
+            precision: number[];
+            /** Recall */
+            recall: number[];
+        };
+        /**
          * SceneCreate
          * @description How the view starts; everything has a default.
          */
@@ -982,6 +1112,27 @@ export interface components {
             theme?: components["schemas"]["Theme"] | null;
         };
         /**
+         * TableRow
+         * @description A line of the table; precision is null without labels, recall without truth.
+         */
+        TableRow: {
+            method: components["schemas"]["Method"];
+            cameras: components["schemas"]["CameraGroup"];
+            truth: components["schemas"]["TruthKind"];
+            /** Iou */
+            iou: number;
+            /** Precision */
+            precision: number | null;
+            /** Recall */
+            recall: number | null;
+            /** Tp */
+            tp: number;
+            /** Fp */
+            fp: number;
+            /** Fn */
+            fn: number;
+        };
+        /**
          * Theme
          * @description The page's colour scheme, which the 3D view follows.
          * @enum {string}
@@ -1008,6 +1159,30 @@ export interface components {
             /** Class Name */
             class_name: string;
         };
+        /**
+         * TrackingScores
+         * @description How well identities hold over all cameras; null where there is neither truth nor label.
+         */
+        TrackingScores: {
+            /** Hota */
+            hota: number | null;
+            /** Deta */
+            deta: number | null;
+            /** Assa */
+            assa: number | null;
+            /** Idf1 */
+            idf1: number | null;
+            /** Mota */
+            mota: number | null;
+            /** Id Switches */
+            id_switches: number;
+        };
+        /**
+         * TruthKind
+         * @description Boxes of whole objects, or of their visible parts.
+         * @enum {string}
+         */
+        TruthKind: "whole" | "visible";
     };
     responses: never;
     parameters: never;
@@ -1604,6 +1779,44 @@ export interface operations {
                 };
                 content: {
                     "text/event-stream": unknown;
+                };
+            };
+            /** @description What was wrong, where, and what to do. */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    get_evaluation: {
+        parameters: {
+            query?: {
+                /** @description Labels below it are not counted. */
+                confidence?: number;
+                /** @description Truth beyond it is neither hit nor miss. */
+                max_distance_m?: number;
+                /** @description Whether a label of another class may hit. */
+                classes?: components["schemas"]["ClassMode"];
+            };
+            header?: never;
+            path: {
+                drive_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Evaluation"];
                 };
             };
             /** @description What was wrong, where, and what to do. */

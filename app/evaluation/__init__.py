@@ -1,0 +1,1 @@
+"""Evaluation: how the labels of a drive compare with its truth."""

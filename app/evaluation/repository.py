@@ -1,0 +1,61 @@
+"""SQL about labels as evaluation reads them: only the columns that it needs, many rows at a time."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from sqlalchemy import and_, select
+from sqlalchemy.orm import Session
+
+from app.tracks.models import LabelRow, ObservationRow, TrackRow
+
+
+def best_of_tracks(session: Session, labelling_id: int) -> dict[int, tuple[int, float]]:
+    """Class id and score of the best observation of each track."""
+    query = select(TrackRow.track_id, TrackRow.class_id, TrackRow.best_score)
+    rows = session.execute(query.where(TrackRow.labelling_id == labelling_id))
+    return {track_id: (class_id, score) for track_id, class_id, score in rows}
+
+
+def labels_between(session: Session, labelling_id: int, start: int, stop: int) -> Sequence[Sequence[Any]]:
+    """Columns of the observations of the frames ``start <= frame_index < stop``; empty where there are none.
+
+    In order: frame_index, camera_id, x1_px, y1_px, x2_px, y2_px, class_id and score as detected, track_id, identity_id,
+    class_id and score of the label.
+    """
+    query = (
+        select(
+            ObservationRow.frame_index,
+            TrackRow.camera_id,
+            ObservationRow.x1_px,
+            ObservationRow.y1_px,
+            ObservationRow.x2_px,
+            ObservationRow.y2_px,
+            ObservationRow.class_id,
+            ObservationRow.score,
+            ObservationRow.track_id,
+            TrackRow.identity_id,
+            LabelRow.class_id,
+            LabelRow.score,
+        )
+        .join(
+            TrackRow,
+            and_(
+                TrackRow.labelling_id == ObservationRow.labelling_id,
+                TrackRow.track_id == ObservationRow.track_id,
+            ),
+        )
+        .join(
+            LabelRow,
+            and_(
+                LabelRow.labelling_id == ObservationRow.labelling_id,
+                LabelRow.track_id == ObservationRow.track_id,
+                LabelRow.frame_index == ObservationRow.frame_index,
+            ),
+        )
+        .where(
+            ObservationRow.labelling_id == labelling_id,
+            ObservationRow.frame_index >= start,
+            ObservationRow.frame_index < stop,
+        )
+    )
+    return list(zip(*session.execute(query).all(), strict=True))
