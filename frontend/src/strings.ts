@@ -142,7 +142,7 @@ export const text = {
     accept: "Accept",
     reject: "Reject",
     undo: "Undo",
-    changes: (n: number) => `changes ${plural(n, "label")}`,
+    labels: (n: number) => plural(n, "label"),
     changesIfAccepted: (n: number) => `The merge changes ${plural(n, "label")}.`,
     track: (id: number) => `track ${id}`,
     score: "score",

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { bytes, clock, duration, metres, plural, score } from "./format";
+import { bytes, clock, duration, metres, plural, score, sentence } from "./format";
 
 describe("numbers", () => {
   it.each([
@@ -19,6 +19,9 @@ describe("numbers", () => {
     [bytes(999), "999 B"],
     [bytes(1_500), "1.5 kB"],
     [bytes(25_000_000), "25 MB"],
+    [sentence("boxes at the same place in 2 of 2 frames"), "Boxes at the same place in 2 of 2 frames."],
+    [sentence("Is said already."), "Is said already."],
+    [sentence(" "), ""],
   ])("%s", (said, expected) => {
     expect(said).toBe(expected);
   });

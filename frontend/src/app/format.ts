@@ -47,3 +47,11 @@ export function bytes(n: number): string {
   }
   return `${unit === 0 ? value : value.toFixed(value < 10 ? 1 : 0)} ${units[unit]}`;
 }
+
+/** A clause of the machine as a sentence: "boxes agree" -> "Boxes agree." */
+export function sentence(clause: string): string {
+  const words = clause.trim();
+  if (words === "") return "";
+  const capital = words.charAt(0).toUpperCase() + words.slice(1);
+  return /[.!?]$/.test(capital) ? capital : `${capital}.`;
+}

@@ -1,7 +1,7 @@
 import { Alert, Button, Kbd, Text, Tooltip } from "@mantine/core";
 import { IconAlertTriangle, IconArrowBackUp, IconCheck, IconX } from "@tabler/icons-react";
 import type { Merge } from "../../api/types";
-import { metres, score } from "../../app/format";
+import { metres, score, sentence } from "../../app/format";
 import { text } from "../../strings";
 import { Crop } from "../cameras/Crop";
 import { identityColour } from "../cameras/palette";
@@ -36,7 +36,7 @@ export function MergeCard({ merge, open, onOpen, onDecide, width }: MergeCardPro
             <Side id={merge.identity_a} camera={merge.camera_a} />
             <Side id={merge.identity_b} camera={merge.camera_b} />
             <span className={classes.quiet}>
-              {text.merges.scoreIs(score(merge.score))} · {text.merges.changes(merge.label_count)}
+              {text.merges.scoreIs(score(merge.score))} · {text.merges.labels(merge.label_count)}
             </span>
           </span>
         )}
@@ -58,7 +58,7 @@ export function MergeCard({ merge, open, onOpen, onDecide, width }: MergeCardPro
             />
           </dl>
           <Text size="sm">
-            {merge.reason}{" "}
+            {sentence(merge.reason)}{" "}
             <Text span size="sm" c="var(--muted)">
               {text.merges.changesIfAccepted(merge.label_count)}
             </Text>
@@ -154,7 +154,6 @@ function Side({ id, camera }: { id: number; camera: string }) {
   return (
     <span className={classes.side}>
       <span className={classes.swatch} style={{ background: identityColour(id) }} />
-      <span className={classes.id}>#{id}</span>
       <span className={classes.camera}>{camera}</span>
     </span>
   );
@@ -171,7 +170,7 @@ function Sides({ merge, size }: { merge: Merge; size: { width: number; height: n
   return (
     <span className={classes.sides}>
       {sides.map(({ key, track, camera, identity }) => (
-        <span key={key} className={classes.look}>
+        <span key={key} className={classes.look} style={{ width: size.width }}>
           <Crop
             frame={frame ?? 0}
             camera={camera}
@@ -188,7 +187,7 @@ function Sides({ merge, size }: { merge: Merge; size: { width: number; height: n
             <span className={classes.under}>
               <Side id={identity} camera={camera} />
               <span className={classes.quiet}>
-                {text.merges.track(track)}
+                #{identity}
                 {frame !== null && `, ${text.merges.atFrame(frame)}`}
               </span>
             </span>
