@@ -9,6 +9,7 @@ from typer.core import TyperGroup
 
 from app.commands.benchmark import benchmark
 from app.commands.demo import demo
+from app.commands.evaluate import evaluate
 from app.commands.label import label
 from app.commands.serve import serve, worker
 from app.commands.terminal import INTERRUPTED, say
@@ -39,7 +40,7 @@ main = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (demo, label, serve, worker):
+for command in (demo, label, evaluate, serve, worker):
     main.command()(command)
 main.add_typer(benchmark, name="benchmark")
 

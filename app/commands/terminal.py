@@ -6,8 +6,10 @@ from types import TracebackType
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TaskID, TextColumn, TimeElapsedColumn
+from rich.table import Table
 
 INTERRUPTED = 130
+WIDEST_TABLE = 200
 STAGES = {
     "detect": "Detecting in each image",
     "lidar": "Fitting 3D boxes to LiDAR points",
@@ -22,6 +24,14 @@ STAGES = {
 def say(text: str) -> None:
     """A line for the person at the terminal."""
     Console(stderr=True, highlight=False, soft_wrap=True).print(text, markup=False)
+
+
+def show_table(table: Table) -> None:
+    """A result in rows, on standard output; as wide as it needs, since a number must not be cut."""
+    console = Console(highlight=False)
+    needed = console.measure(table, options=console.options.update(width=WIDEST_TABLE)).maximum
+    console.width = max(console.width, needed)
+    console.print(table, markup=False)
 
 
 class TerminalProgress:
