@@ -11,13 +11,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from labeler.simulation.dimensions import LANE_WIDTH_M, LANES_EACH_WAY
+from labeler.simulation.dimensions import LANE_WIDTH_M, LANES_EACH_WAY, STOP_LINE_M, STOP_LINE_WIDTH_M
 from labeler.simulation.layout import Approach, JunctionId, TownLayout
 from labeler.simulation.sumo import run_sumo
 
 SPEED_LIMIT_MPS = 13.9
 _CYCLE_S = 44
-_CORNER_RADIUS_M = 5.5
+_CORNER_RADIUS_M = 1.5
+"""Small, so that who turns right goes around the corner of the kerb and not over it."""
+_JUNCTION_REACH_M = LANES_EACH_WAY * LANE_WIDTH_M + _CORNER_RADIUS_M
 
 Lamp = Literal["red", "yellow", "green"]
 
@@ -42,12 +44,14 @@ class SignalProgram:
 
 @dataclass(frozen=True)
 class RoadNetwork:
-    """A network that SUMO can drive on. ``following`` names the edges that may follow each edge, in order of name.
+    """A network that SUMO can drive on. ``following`` names the edges that may follow each edge, in order of name;
+    ``without_right_turns`` those that a long vehicle should take, which would cut the corner: all where none is left.
     ``signals_file`` holds the programs; SUMO has to load it beside the network."""
 
     file: Path
     signals_file: Path
     following: Mapping[str, tuple[str, ...]]
+    without_right_turns: Mapping[str, tuple[str, ...]]
     programs: tuple[SignalProgram, ...]
 
 
@@ -55,7 +59,7 @@ def build_road_network(layout: TownLayout, folder: Path) -> RoadNetwork:
     """Write the network of ``layout`` into ``folder`` and read it back. SimulationError when SUMO can't make it."""
     nodes, edges, file = folder / "town.nod.xml", folder / "town.edg.xml", folder / "town.net.xml"
     _write_xml(nodes, "nodes", "node", [_node(layout, junction_id) for junction_id in layout.junctions])
-    _write_xml(edges, "edges", "edge", [_edge(layout, index) for index in range(len(layout.edges))])
+    _write_xml(edges, "edges", "edge", [_edge(layout, index) for index in range(len(layout.edges))], _stop_at_line())
     run_sumo(
         "netconvert",
         {
@@ -96,10 +100,17 @@ def _edge(layout: TownLayout, index: int) -> dict[str, str]:
     }
 
 
-def _write_xml(file: Path, root: str, tag: str, rows: list[dict[str, str]]) -> None:
+def _stop_at_line() -> ET.Element:
+    """Lanes reach up to the junction; vehicles wait before the stop line, ahead of the crossing."""
+    return ET.Element("stopOffset", {"value": f"{STOP_LINE_M + STOP_LINE_WIDTH_M / 2 - _JUNCTION_REACH_M:.3f}"})
+
+
+def _write_xml(file: Path, root: str, tag: str, rows: list[dict[str, str]], inside: ET.Element | None = None) -> None:
     tree = ET.Element(root)
     for row in rows:
-        ET.SubElement(tree, tag, row)
+        element = ET.SubElement(tree, tag, row)
+        if inside is not None:
+            element.append(inside)
     ET.ElementTree(tree).write(file, encoding="utf-8", xml_declaration=True)
 
 
@@ -129,6 +140,11 @@ def _read_network(layout: TownLayout, file: Path) -> RoadNetwork:
         file=file,
         signals_file=signals_file,
         following={name: tuple(sorted(ends)) for name, ends in following.items()},
+        without_right_turns={
+            name: tuple(sorted(end for end in ends if (edges[end].approach - edges[name].approach) % 4 != 3))
+            or tuple(sorted(ends))
+            for name, ends in following.items()
+        },
         programs=tuple(_program(junctions[name], logics[name], links[name]) for name in sorted(links)),
     )
 

@@ -12,6 +12,7 @@ import xml.etree.ElementTree as ET
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -26,7 +27,7 @@ _WARM_UP_S = 20.0
 _LONGEST_STEP_MS = 100
 _TURN_RAD = np.radians(70.0)
 _MODEL_WEIGHT = {"bus": 0.3, "truck": 0.5, "motorcycle": 0.5}
-_BIG = ("bus", "truck")
+_LONG_M = 6.0
 _ROUTES_SEED, _PARKING_SEED = 11, 12
 
 
@@ -183,12 +184,15 @@ def _write_routes(
     root = ET.Element("routes")
     for model in fleet:
         length_m, width_m, _ = model.size_m
-        big = model.category in _BIG
         ET.SubElement(
             root,
             "vType",
             {"id": model.name, "length": f"{length_m:.3f}", "width": f"{width_m:.3f}", "minGap": "2.0"}
-            | {"accel": "1.3" if big else "2.4", "decel": "4.0", "maxSpeed": "11" if big else "15"}
+            | {
+                "accel": "1.3" if length_m > _LONG_M else "2.4",
+                "decel": "4.0",
+                "maxSpeed": "11" if length_m > _LONG_M else "15",
+            }
             | {"sigma": "0.5", "speedDev": "0.12", "lcSpeedGain": "0.6"},
         )
     duration_s = _WARM_UP_S + config.frames * config.period_ms / 1000
@@ -196,9 +200,10 @@ def _write_routes(
     edges_each = int(duration_s * SPEED_LIMIT_MPS * 1.3 / shortest_m) + 5
     starts = sorted(network.following)
     for index, model in enumerate(driving):
+        long = model.size_m[0] > _LONG_M
         walk = [starts[int(rng.integers(len(starts)))]]
         while len(walk) < edges_each:
-            ways_on = network.following[walk[-1]]
+            ways_on = (network.without_right_turns if long else network.following)[walk[-1]]
             walk.append(ways_on[int(rng.integers(len(ways_on)))])
         vehicle = ET.SubElement(
             root,
@@ -244,7 +249,7 @@ def _park(
 
 
 def _fits(model: VehicleModel, slot: ParkingSlot) -> bool:
-    return model.size_m[0] < slot.length_m - 0.5 and model.size_m[1] < slot.width_m - 0.1
+    return model.size_m[0] < slot.length_m - 0.5 and model.size_m[1] < slot.width_m + 0.05
 
 
 def _choose_ego(traffic: Traffic, cars: Sequence[int]) -> int:
