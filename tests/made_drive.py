@@ -6,6 +6,7 @@ The model is a network of one pooling layer: how red the window around a cell is
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -223,5 +224,5 @@ def _ground() -> NDArray[np.float64]:
     )
 
 
-def _write_table(path: Path, columns: dict[str, object]) -> None:
+def _write_table(path: Path, columns: Mapping[str, object]) -> None:
     feather.write_feather(pa.table(columns), str(path))

@@ -29,10 +29,10 @@ def test_from_upload_to_export_on_the_made_drive(
     _merge_card(page).click()
     page.keyboard.press("r")
     expect(page.get_by_text("Rejected 1")).to_be_visible()
-    expect(page.get_by_role("tab", name="Identities 3")).to_be_visible()
+    expect(page.get_by_role("tab", name=re.compile(r"^Identities\s*3"))).to_be_visible()
     page.keyboard.press("u")
     expect(page.get_by_text("Accepted 1")).to_be_visible()
-    expect(page.get_by_role("tab", name="Identities 2")).to_be_visible()
+    expect(page.get_by_role("tab", name=re.compile(r"^Identities\s*2"))).to_be_visible()
 
     _step_through_frames(page, frames=12)
     _select_identity_in_a_picture(page)
@@ -81,7 +81,7 @@ def _upload_and_open(page: Page, address: str, drive: Path, folder: Path) -> Non
 
 
 def _view(page: Page, camera: str) -> Locator:
-    return page.get_by_label(re.compile(f"^{camera}, "))
+    return page.get_by_role("figure", name=re.compile(f"^{camera}, "))
 
 
 def _merge_card(page: Page) -> Locator:
