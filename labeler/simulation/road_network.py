@@ -17,6 +17,8 @@ from labeler.simulation.sumo import run_sumo
 
 SPEED_LIMIT_MPS = 13.9
 _CYCLE_S = 44
+_STRAIGHT, _BACK, _RIGHT = 0, 2, 3
+"""Quarter turns to the left from one edge to the next."""
 _CORNER_RADIUS_M = 1.5
 """Small, so that who turns right goes around the corner of the kerb and not over it."""
 _JUNCTION_REACH_M = LANES_EACH_WAY * LANE_WIDTH_M + _CORNER_RADIUS_M
@@ -58,6 +60,8 @@ class RoadNetwork:
 def build_road_network(layout: TownLayout, folder: Path) -> RoadNetwork:
     """Write the network of ``layout`` into ``folder`` and read it back. SimulationError when SUMO can't make it."""
     nodes, edges, file = folder / "town.nod.xml", folder / "town.edg.xml", folder / "town.net.xml"
+    connections = folder / "town.con.xml"
+    _write_xml(connections, "connections", "connection", _connections(layout))
     _write_xml(nodes, "nodes", "node", [_node(layout, junction_id) for junction_id in layout.junctions])
     _write_xml(edges, "edges", "edge", [_edge(layout, index) for index in range(len(layout.edges))], _stop_at_line())
     run_sumo(
@@ -65,6 +69,7 @@ def build_road_network(layout: TownLayout, folder: Path) -> RoadNetwork:
         {
             "node-files": str(nodes),
             "edge-files": str(edges),
+            "connection-files": str(connections),
             "output-file": str(file),
             "offset.disable-normalization": "true",
             "no-turnarounds": "true",
@@ -98,6 +103,26 @@ def _edge(layout: TownLayout, index: int) -> dict[str, str]:
         "speed": str(SPEED_LIMIT_MPS),
         "spreadType": "right",
     }
+
+
+def _connections(layout: TownLayout) -> list[dict[str, str]]:
+    """Which lane leads to which. Who turns right takes the far lane, which keeps the body clear of the corner."""
+    rows: list[dict[str, str]] = []
+    for start in layout.edges:
+        ways_on = {(edge.approach - start.approach) % 4: edge for edge in layout.edges if edge.start == start.end}
+        for turn, end in sorted(ways_on.items()):
+            if turn == _BACK:
+                continue
+            if turn == _RIGHT:
+                lanes = [(0, 1)]
+            elif turn == _STRAIGHT or (_STRAIGHT not in ways_on and _RIGHT not in ways_on):
+                lanes = [(0, 0), (1, 1)]
+            else:
+                lanes = [(1, 1)]
+            for from_lane, to_lane in lanes:
+                row = {"from": start.name, "to": end.name, "fromLane": str(from_lane), "toLane": str(to_lane)}
+                rows.append(row)
+    return rows
 
 
 def _stop_at_line() -> ET.Element:
@@ -141,7 +166,7 @@ def _read_network(layout: TownLayout, file: Path) -> RoadNetwork:
         signals_file=signals_file,
         following={name: tuple(sorted(ends)) for name, ends in following.items()},
         without_right_turns={
-            name: tuple(sorted(end for end in ends if (edges[end].approach - edges[name].approach) % 4 != 3))
+            name: tuple(sorted(end for end in ends if (edges[end].approach - edges[name].approach) % 4 != _RIGHT))
             or tuple(sorted(ends))
             for name, ends in following.items()
         },

@@ -184,14 +184,15 @@ def _write_routes(
     root = ET.Element("routes")
     for model in fleet:
         length_m, width_m, _ = model.size_m
+        long = length_m > _LONG_M
         ET.SubElement(
             root,
             "vType",
             {"id": model.name, "length": f"{length_m:.3f}", "width": f"{width_m:.3f}", "minGap": "2.0"}
             | {
-                "accel": "1.3" if length_m > _LONG_M else "2.4",
+                "accel": "1.3" if long else "2.4",
                 "decel": "4.0",
-                "maxSpeed": "11" if length_m > _LONG_M else "15",
+                "maxSpeed": "11" if long else "15",
             }
             | {"sigma": "0.5", "speedDev": "0.12", "lcSpeedGain": "0.6"},
         )

@@ -5,7 +5,7 @@ import xml.etree.ElementTree as ET
 
 import pytest
 
-from labeler.simulation.layout import TownLayout
+from labeler.simulation.layout import Approach, TownLayout
 from labeler.simulation.road_network import RoadNetwork, SignalProgram, build_road_network
 
 pytest.importorskip("sumo", reason="needs eclipse-sumo, of the extra `simulation`")
@@ -36,9 +36,13 @@ def test_lanes_lie_and_end_where_the_town_draws_them(network: RoadNetwork) -> No
         center_m = drawn[name].lane_center_m(int(number))[1]
         off_m = math.dist(last, center_m)
         assert off_m == pytest.approx(12.3 - 8.5, abs=0.01)  # the lane goes on over the crossing, in the same line
-        assert lane.find("stopOffset") is not None
         checked += 1
     assert checked == 2 * len(LAYOUT.edges)
+    offsets = [
+        offset for edge in ET.parse(network.file).getroot().findall("edge") for offset in edge.iter("stopOffset")
+    ]
+    assert {offset.get("value") for offset in offsets} == {"4.000"}  # to 12.5 m from the middle, where the line begins
+    assert len(offsets) == len(LAYOUT.edges)
 
 
 def test_every_signal_has_a_program_in_which_crossing_streets_are_never_open_at_once(network: RoadNetwork) -> None:
@@ -54,7 +58,7 @@ def test_every_signal_has_a_program_in_which_crossing_streets_are_never_open_at_
 
 
 def test_no_link_may_go_while_its_lamp_is_red(network: RoadNetwork) -> None:
-    approach_of = {edge.name: edge.approach for edge in LAYOUT.edges}
+    approach_of: dict[str, Approach] = {edge.name: edge.approach for edge in LAYOUT.edges}
     junction_of = {junction.name: junction.junction_id for junction in LAYOUT.junctions.values()}
     states = {
         logic.get("id", ""): [phase.get("state", "") for phase in logic.findall("phase")]
