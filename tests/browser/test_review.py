@@ -98,7 +98,7 @@ def _step_through_frames(page: Page, *, frames: int) -> None:
     expect(page.get_by_text(f"Frame 2 of {frames}")).to_be_visible()
     page.keyboard.press("Home")
     page.keyboard.press("Space")
-    expect(page.get_by_text(f"Frame {frames} of {frames}")).to_be_visible()
+    expect(page.get_by_text(f"Frame {frames} of {frames}")).to_be_visible(timeout=30_000)
 
 
 def _select_identity_in_a_picture(page: Page) -> None:
