@@ -17,7 +17,7 @@ from app.exports import repository
 from app.jobs.worker import JobContext, JobProgress
 from app.tracks import repository as tracks_repository
 from app.tracks.models import LabellingRow
-from app.tracks.repository import LabelledObservation
+from app.tracks.repository import LabelledFrames, LabelledObservation
 from labeler.errors import HindsightError
 from labeler.export import DatasetInfo, DonorReference, LabelledBox, LabelledImage, find_exporter
 
@@ -63,9 +63,10 @@ def _labelled_images(
     for start in range(0, drive.frame_count, FRAMES_PER_CLIP):
         stop = min(start + FRAMES_PER_CLIP, drive.frame_count)
         boxes: defaultdict[tuple[int, int], list[LabelledBox]] = defaultdict(list)
-        for row in tracks_repository.labelled_observations(session, labelling.id, start, stop):
+        found = tracks_repository.labelled_frames(session, labelling.id, start, stop)
+        for row in found.observations:
             if min_score <= (row.label_score or 0.0):
-                boxes[row.frame_index, row.camera_id].append(_to_box(row, cameras))
+                boxes[row.frame_index, found.tracks[row.track_id].camera_id].append(_to_box(row, found, cameras))
         for image in drives_repository.images_between(session, drive.id, start, stop):
             camera = cameras[image.camera_id]
             yield LabelledImage(
@@ -80,21 +81,22 @@ def _labelled_images(
         progress.advance(stop - start)
 
 
-def _to_box(row: LabelledObservation, cameras: dict[int, CameraRow]) -> LabelledBox:
+def _to_box(row: LabelledObservation, found: LabelledFrames, cameras: dict[int, CameraRow]) -> LabelledBox:
+    source = found.donors[row.donor_track_id, row.donor_frame_index]
     donor = None
-    if row.donor_id != row.id:
+    if source.id != row.id:
         donor = DonorReference(
             track_id=row.donor_track_id,
-            camera=cameras[row.donor_camera_id].name,
+            camera=cameras[source.camera_id].name,
             frame_index=row.donor_frame_index,
-            score=row.donor_score,
+            score=source.score,
         )
     return LabelledBox(
         xyxy_px=(row.x1_px, row.y1_px, row.x2_px, row.y2_px),
         class_id=row.label_class_id,
         score=row.label_score,
         track_id=row.track_id,
-        identity_id=row.identity_id,
+        identity_id=found.tracks[row.track_id].identity_id,
         source=row.label_source,
         filled=row.filled,
         donor=donor,

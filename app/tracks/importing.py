@@ -24,34 +24,35 @@ from app.reviews.carrying import carry_over
 from app.tracks import repository
 from app.tracks.models import Box3DRow, LabellingRow, LabelRow, ObservationRow, TrackRow
 from labeler.errors import HindsightError
-from labeler.pipeline.types import LabelledDrive, LabelledView, Progress, SilentProgress, TrackSummary
+from labeler.pipeline.types import LabelledDrive, LabelledView, Progress, SilentProgress
 from labeler.propagation.types import LabelSource
 from labeler.tracking.types import NO_DETECTION
 
 ROWS_PER_TRANSACTION = 10_000
 TRACKS_PER_DELETION = 500
+PIXEL_DIGITS, METRE_DIGITS, SCORE_DIGITS = 2, 4, 6
 STAGE = "store"
 
-Row = Mapping[str, Any]
+Columns = Mapping[str, Sequence[Any]]
 
 
 @dataclass
-class _Rows:
-    """Rows that wait for the next transaction."""
+class _Waiting:
+    """Rows that wait for the next transaction, column by column."""
 
-    observations: list[Row] = field(default_factory=list[Row])
-    labels: list[Row] = field(default_factory=list[Row])
-    boxes_3d: list[Row] = field(default_factory=list[Row])
+    tables: dict[type[Base], dict[str, list[Any]]] = field(default_factory=dict[type[Base], dict[str, list[Any]]])
+    observations: int = 0
+
+    def add(self, table: type[Base], columns: Columns) -> None:
+        waiting = self.tables.setdefault(table, {name: [] for name in columns})
+        for name, values in columns.items():
+            waiting[name] += values
 
     def write(self, session: Session) -> None:
-        tables: tuple[tuple[type[Base], list[Row]], ...] = (
-            (ObservationRow, self.observations),
-            (LabelRow, self.labels),
-            (Box3DRow, self.boxes_3d),
-        )
-        for table, rows in tables:
-            repository.insert_rows(session, table, rows)
-            rows.clear()
+        for table, columns in self.tables.items():
+            repository.insert_columns(session, table, columns)
+        self.tables.clear()
+        self.observations = 0
 
 
 def import_labelled_drive(
@@ -130,16 +131,8 @@ def _begin(store: Store, drive_id: int, labelled: LabelledDrive, cameras: Mappin
                 warnings=list(labelled.summary["warnings"]),
             ),
         )
-        rows = [
-            {
-                "labelling_id": labelling_id,
-                "camera_id": cameras[track.camera],
-                "identity_id": labelled.identity_of.get(track.track_id, track.track_id),
-                **_track_columns(track),
-            }
-            for track in labelled.tracks
-        ]
-        repository.insert_rows(session, TrackRow, rows)
+        if labelled.tracks:
+            repository.insert_columns(session, TrackRow, _track_columns(labelling_id, labelled, cameras))
     return labelling_id
 
 
@@ -154,23 +147,26 @@ def _write_frames(
     """Stream observations, labels and 3D boxes in; propagated labels by identity, and the number of observations."""
     propagated: Counter[int] = Counter()
     observation_count = 0
-    rows = _Rows()
+    waiting = _Waiting()
     done = 0
     progress.stage(STAGE, frame_count)
     for frame in labelled.frames():
         for camera, view in frame.views.items():
-            observation_count += len(view.observations)
+            count = len(view.observations)
+            observation_count += count
+            waiting.observations += count
             propagated.update(view.labels.identity_id[view.labels.propagated].tolist())
-            rows.observations += _observation_rows(labelling_id, view)
-            rows.labels += _label_rows(labelling_id, view)
-            rows.boxes_3d += _box_rows(labelling_id, frame.frame_index, cameras[camera], view)
-        if len(rows.observations) >= ROWS_PER_TRANSACTION:
+            waiting.add(ObservationRow, _observation_columns(labelling_id, view))
+            waiting.add(LabelRow, _label_columns(labelling_id, view))
+            if len(view.boxes_3d):
+                waiting.add(Box3DRow, _box_columns(labelling_id, frame.frame_index, cameras[camera], view))
+        if waiting.observations >= ROWS_PER_TRANSACTION:
             with store.write() as session:
-                rows.write(session)
+                waiting.write(session)
         progress.advance(frame.frame_index + 1 - done)
         done = frame.frame_index + 1
     with store.write() as session:
-        rows.write(session)
+        waiting.write(session)
     return propagated, observation_count
 
 
@@ -184,7 +180,7 @@ def _write_merges_and_identities(
                 "labelling_id": labelling_id,
                 "track_a": merge.track_a,
                 "track_b": merge.track_b,
-                "score": round(merge.score, 6),
+                "score": round(merge.score, SCORE_DIGITS),
                 "machine_state": str(merge.state),
                 "state": str(merge.state),
                 "decided_by": "machine",
@@ -208,65 +204,66 @@ def _write_merges_and_identities(
     identities_repository.replace(session, labelling_id, (), identities)
 
 
-def _track_columns(track: TrackSummary) -> Row:
+def _track_columns(labelling_id: int, labelled: LabelledDrive, cameras: Mapping[str, int]) -> Columns:
+    tracks = labelled.tracks
     return {
-        "track_id": track.track_id,
-        "first_frame": track.first_frame,
-        "last_frame": track.last_frame,
-        "observation_count": track.observation_count,
-        "best_score": round(track.best_score, 6),
-        "best_frame": track.best_frame,
-        "class_id": track.class_id,
+        "labelling_id": [labelling_id] * len(tracks),
+        "track_id": [track.track_id for track in tracks],
+        "camera_id": [cameras[track.camera] for track in tracks],
+        "first_frame": [track.first_frame for track in tracks],
+        "last_frame": [track.last_frame for track in tracks],
+        "observation_count": [track.observation_count for track in tracks],
+        "best_score": [round(track.best_score, SCORE_DIGITS) for track in tracks],
+        "best_frame": [track.best_frame for track in tracks],
+        "class_id": [track.class_id for track in tracks],
+        "identity_id": [labelled.identity_of.get(track.track_id, track.track_id) for track in tracks],
     }
 
 
-def _observation_rows(labelling_id: int, view: LabelledView) -> list[Row]:
+def _observation_columns(labelling_id: int, view: LabelledView) -> Columns:
     observations = view.observations
-    columns = {
+    return {
+        "labelling_id": [labelling_id] * len(observations),
         "track_id": observations.track_id.tolist(),
         "frame_index": observations.frame_index.tolist(),
         "score": _scores(observations.score),
         "class_id": observations.class_id.tolist(),
         "filled": (observations.detection_index == NO_DETECTION).tolist(),
-        **_decimals(observations.xyxy_px, ("x1_px", "y1_px", "x2_px", "y2_px"), digits=2),
+        **_decimals(observations.xyxy_px, ("x1_px", "y1_px", "x2_px", "y2_px"), digits=PIXEL_DIGITS),
     }
-    return _to_rows(columns, labelling_id=labelling_id)
 
 
-def _label_rows(labelling_id: int, view: LabelledView) -> list[Row]:
+def _label_columns(labelling_id: int, view: LabelledView) -> Columns:
     labels = view.labels
-    columns = {
+    sources = (LabelSource.AUTO.value, LabelSource.PROPAGATED.value)
+    return {
+        "labelling_id": [labelling_id] * len(labels),
         "track_id": labels.track_id.tolist(),
         "frame_index": labels.frame_index.tolist(),
         "class_id": labels.class_id.tolist(),
         "score": _scores(labels.score),
-        "source": [LabelSource.PROPAGATED if given else LabelSource.AUTO for given in labels.propagated.tolist()],
+        "source": [sources[given] for given in labels.propagated.tolist()],
         "donor_track_id": labels.donor_track_id.tolist(),
         "donor_frame_index": labels.donor_frame_index.tolist(),
     }
-    return _to_rows(columns, labelling_id=labelling_id)
 
 
-def _box_rows(labelling_id: int, frame_index: int, camera_id: int, view: LabelledView) -> list[Row]:
+def _box_columns(labelling_id: int, frame_index: int, camera_id: int, view: LabelledView) -> Columns:
     boxes = view.boxes_3d
-    tracks = view.track_of_boxes_3d().tolist()
-    columns = {
-        "row": list(range(len(boxes))),
-        "track_id": [track if track >= 0 else None for track in tracks],
+    count = len(boxes)
+    return {
+        "labelling_id": [labelling_id] * count,
+        "frame_index": [frame_index] * count,
+        "camera_id": [camera_id] * count,
+        "row": list(range(count)),
+        "track_id": [track if track >= 0 else None for track in view.track_of_boxes_3d().tolist()],
         "score": _scores(boxes.score),
         "class_id": boxes.class_id.tolist(),
         "point_count": boxes.num_points.tolist(),
         "yaw_rad": boxes.yaw_rad.astype(np.float64).tolist(),
-        **_decimals(boxes.center_m, ("center_x_m", "center_y_m", "center_z_m"), digits=4),
-        **_decimals(boxes.size_m, ("length_m", "width_m", "height_m"), digits=4),
+        **_decimals(boxes.center_m, ("center_x_m", "center_y_m", "center_z_m"), digits=METRE_DIGITS),
+        **_decimals(boxes.size_m, ("length_m", "width_m", "height_m"), digits=METRE_DIGITS),
     }
-    return _to_rows(columns, labelling_id=labelling_id, frame_index=frame_index, camera_id=camera_id)
-
-
-def _to_rows(columns: Mapping[str, Sequence[Any]], **same: int) -> list[Row]:
-    names = (*same, *columns)
-    fixed = tuple(same.values())
-    return [dict(zip(names, (*fixed, *values), strict=True)) for values in zip(*columns.values(), strict=True)]
 
 
 def _decimals(values: NDArray[np.float32], names: Sequence[str], *, digits: int) -> dict[str, list[float]]:
@@ -276,8 +273,8 @@ def _decimals(values: NDArray[np.float32], names: Sequence[str], *, digits: int)
 
 
 def _scores(scores: NDArray[np.float32]) -> list[float | None]:
-    """Scores as the store keeps them: to six digits, None where there is none."""
-    rounded: list[float] = np.round(scores.astype(np.float64), 6).tolist()
+    """Scores as the store keeps them: None where there is none."""
+    rounded: list[float] = np.round(scores.astype(np.float64), SCORE_DIGITS).tolist()
     return [None if math.isnan(score) else score for score in rounded]
 
 

@@ -3,8 +3,8 @@
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple, cast
 
-from sqlalchemy import CursorResult, and_, delete, func, insert, or_, select, update
-from sqlalchemy.orm import Session, aliased
+from sqlalchemy import CursorResult, and_, delete, func, insert, or_, select, tuple_, update
+from sqlalchemy.orm import Session
 
 from app.db.base import Base
 from app.drives.models import CameraRow, DriveRow
@@ -26,12 +26,10 @@ class LabellingCounts(NamedTuple):
 
 
 class LabelledObservation(NamedTuple):
-    """An observation with its label and the store's id of the label's donor."""
+    """An observation with its label."""
 
     id: int
     track_id: int
-    identity_id: int
-    camera_id: int
     frame_index: int
     x1_px: float
     y1_px: float
@@ -45,9 +43,31 @@ class LabelledObservation(NamedTuple):
     label_source: str
     donor_track_id: int
     donor_frame_index: int
-    donor_id: int
-    donor_camera_id: int
-    donor_score: float | None
+
+
+class TrackPlace(NamedTuple):
+    """Where a track belongs."""
+
+    identity_id: int
+    camera_id: int
+
+
+class DonorObservation(NamedTuple):
+    """The observation that a label was taken from."""
+
+    id: int
+    camera_id: int
+    score: float | None
+
+
+class LabelledFrames(NamedTuple):
+    """Observations of some frames by frame and track, and what they refer to: each track once, each donor once.
+
+    ``donors`` go by track and frame."""
+
+    observations: list[LabelledObservation]
+    tracks: dict[int, TrackPlace]
+    donors: dict[tuple[int, int], DonorObservation]
 
 
 class TrackedBox(NamedTuple):
@@ -99,10 +119,20 @@ def insert_labelling(session: Session, labelling: LabellingRow) -> int:
     return labelling.id
 
 
-def insert_rows(session: Session, table: type[Base], rows: Sequence[Mapping[str, Any]]) -> None:
-    """Add rows of one table in bulk."""
-    for start in range(0, len(rows), BATCH):
-        session.execute(insert(table), rows[start : start + BATCH])
+def insert_columns(session: Session, table: type[Base], columns: Mapping[str, Sequence[Any]]) -> None:
+    """Add rows of one table in bulk, given column by column.
+
+    Where the driver takes parameters by position, rows go to it as they are: a dict for each takes most of the time.
+    """
+    connection = session.connection()
+    statement = insert(table)
+    compiled = statement.compile(dialect=connection.dialect, column_keys=list(columns))
+    names = compiled.positiontup
+    if names is None:
+        rows = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+        connection.execute(statement, rows)
+    else:
+        connection.exec_driver_sql(str(compiled), list(zip(*(columns[name] for name in names), strict=True)))
 
 
 def find_labelling(session: Session, labelling_id: int) -> LabellingRow:
@@ -205,15 +235,15 @@ def boxes_in_image(session: Session, labelling_id: int, camera_id: int, frame_in
     return [TrackedBox(*row) for row in session.execute(query)]
 
 
-def labelled_observations(session: Session, labelling_id: int, start: int, stop: int) -> Sequence[LabelledObservation]:
-    """Observations of the frames ``start <= frame_index < stop`` with their labels, by frame and track."""
-    donor, donor_track = aliased(ObservationRow), aliased(TrackRow)
+def labelled_frames(session: Session, labelling_id: int, start: int, stop: int) -> LabelledFrames:
+    """Observations of the frames ``start <= frame_index < stop`` with their labels.
+
+    Tracks and donors are read beside, not joined: they repeat from frame to frame.
+    """
     query = (
         select(
             ObservationRow.id,
             ObservationRow.track_id,
-            TrackRow.identity_id,
-            TrackRow.camera_id,
             ObservationRow.frame_index,
             ObservationRow.x1_px,
             ObservationRow.y1_px,
@@ -227,21 +257,8 @@ def labelled_observations(session: Session, labelling_id: int, start: int, stop:
             LabelRow.source,
             LabelRow.donor_track_id,
             LabelRow.donor_frame_index,
-            donor.id,
-            donor_track.camera_id,
-            donor.score,
         )
-        .join(TrackRow, _same_track(TrackRow, ObservationRow))
         .join(LabelRow, and_(_same_track(LabelRow, ObservationRow), LabelRow.frame_index == ObservationRow.frame_index))
-        .join(
-            donor,
-            and_(
-                donor.labelling_id == LabelRow.labelling_id,
-                donor.track_id == LabelRow.donor_track_id,
-                donor.frame_index == LabelRow.donor_frame_index,
-            ),
-        )
-        .join(donor_track, _same_track(donor_track, donor))
         .where(
             ObservationRow.labelling_id == labelling_id,
             ObservationRow.frame_index >= start,
@@ -249,7 +266,41 @@ def labelled_observations(session: Session, labelling_id: int, start: int, stop:
         )
         .order_by(ObservationRow.frame_index, ObservationRow.track_id)
     )
-    return [LabelledObservation(*row) for row in session.execute(query)]
+    observations = [LabelledObservation._make(row) for row in session.execute(query)]
+    present = select(TrackRow.track_id, TrackRow.identity_id, TrackRow.camera_id).where(
+        TrackRow.labelling_id == labelling_id, TrackRow.first_frame < stop, TrackRow.last_frame >= start
+    )
+    return LabelledFrames(
+        observations,
+        {track_id: TrackPlace(identity_id, camera_id) for track_id, identity_id, camera_id in session.execute(present)},
+        _donors(session, labelling_id, {(row.donor_track_id, row.donor_frame_index) for row in observations}),
+    )
+
+
+def _donors(
+    session: Session, labelling_id: int, wanted: set[tuple[int, int]]
+) -> dict[tuple[int, int], DonorObservation]:
+    """Observations by track and frame."""
+    query = (
+        select(
+            ObservationRow.track_id,
+            ObservationRow.frame_index,
+            ObservationRow.id,
+            TrackRow.camera_id,
+            ObservationRow.score,
+        )
+        .join(TrackRow, _same_track(TrackRow, ObservationRow))
+        .where(ObservationRow.labelling_id == labelling_id)
+    )
+    key = tuple_(ObservationRow.track_id, ObservationRow.frame_index)
+    pairs = sorted(wanted)
+    return {
+        (track_id, frame_index): DonorObservation(observation_id, camera_id, score)
+        for start in range(0, len(pairs), IDS_PER_QUERY)
+        for track_id, frame_index, observation_id, camera_id, score in session.execute(
+            query.where(key.in_(pairs[start : start + IDS_PER_QUERY]))
+        )
+    }
 
 
 def set_identity(session: Session, labelling_id: int, track_ids: Sequence[int], identity_id: int) -> None:

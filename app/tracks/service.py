@@ -1,14 +1,12 @@
 """Tracks and observations for the page."""
 
-from itertools import groupby
-
 from pydantic_core import to_json
 
 from app.db.session import Session
 from app.drives import repository as drives_repository
 from app.errors import InvalidRequest, NotFound
 from app.tracks import repository
-from app.tracks.repository import LabelledObservation
+from app.tracks.repository import LabelledFrames, LabelledObservation
 from app.tracks.schemas import Track
 
 MAX_FRAMES = 200
@@ -31,11 +29,11 @@ def observations_json(session: Session, drive_id: int, start: int, stop: int) ->
     labelling = repository.current_labelling(session, drive_id)
     frames: dict[int, list[dict[str, object]]] = {index: [] for index in range(start, min(stop, drive.frame_count))}
     if labelling is not None:
-        rows = repository.labelled_observations(session, labelling.id, start, stop)
+        found = repository.labelled_frames(session, labelling.id, start, stop)
         cameras = repository.camera_names(session, drive_id)
         names = labelling.class_names
-        for frame_index, group in groupby(rows, key=lambda row: row.frame_index):
-            frames[frame_index] = [_observation(row, cameras, names) for row in group]
+        for row in found.observations:
+            frames[row.frame_index].append(_observation(row, found, cameras, names))
     return to_json(
         {
             "revision": drive.revision,
@@ -68,20 +66,24 @@ def list_tracks(session: Session, drive_id: int) -> list[Track]:
     ]
 
 
-def _observation(row: LabelledObservation, cameras: dict[int, str], names: list[str]) -> dict[str, object]:
+def _observation(
+    row: LabelledObservation, found: LabelledFrames, cameras: dict[int, str], names: list[str]
+) -> dict[str, object]:
+    track = found.tracks[row.track_id]
+    source = found.donors[row.donor_track_id, row.donor_frame_index]
     donor = None
-    if row.donor_id != row.id:
+    if source.id != row.id:
         donor = {
-            "observation_id": row.donor_id,
-            "camera": cameras[row.donor_camera_id],
+            "observation_id": source.id,
+            "camera": cameras[source.camera_id],
             "frame_index": row.donor_frame_index,
-            "score": row.donor_score,
+            "score": source.score,
         }
     return {
         "id": row.id,
         "track_id": row.track_id,
-        "identity_id": row.identity_id,
-        "camera": cameras[row.camera_id],
+        "identity_id": track.identity_id,
+        "camera": cameras[track.camera_id],
         "box": (row.x1_px, row.y1_px, row.x2_px, row.y2_px),
         "class_name": names[row.class_id],
         "score": row.score,
