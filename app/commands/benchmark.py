@@ -1,15 +1,22 @@
 """``hindsight benchmark``: measure on this machine."""
 
 import json
+import tempfile
+import time
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from app.commands.label import label_settings, require_model
+from app.commands.evaluate import evaluate_drive
+from app.commands.label import label_settings, require_model, store_labels
 from app.commands.options import AsJson, DriveFolder, InputSize, ModelFile, SceneName
 from app.commands.terminal import say
 from app.settings import load_settings
 from labeler.drive import open_drive
+from labeler.evaluation.made_up import MadeUp, made_up_labels, write_made_up_drive
+from labeler.evaluation.types import EvaluationConfig
+from labeler.pipeline import SilentProgress
 from labeler.pipeline.benchmark import benchmark_pipeline, repeat_frames
 
 benchmark = typer.Typer(help="Measure on this machine.", no_args_is_help=True)
@@ -42,3 +49,27 @@ def pipeline(
     say(f"pipeline   {times['pipeline_seconds']:8.2f} s   of which LiDAR {times['lidar_seconds']:.2f} s")
     say(f"ratio      {times['ratio']:8.2f}     (pipeline - LiDAR) / bare loop")
     say(f"memory     {times['peak_memory_mb']:8.0f} MB  at the peak, workers included")
+
+
+@benchmark.command()
+def evaluate(
+    frames: Annotated[int, typer.Option(min=1, help="Frames of the drive.")] = 1000,
+    cameras: Annotated[int, typer.Option(min=1, help="Cameras of the drive.")] = 4,
+    objects: Annotated[int, typer.Option(min=1, help="Objects, and labels, in each image.")] = 15,
+    as_json: AsJson = False,
+) -> None:
+    """Time `hindsight evaluate` on the stored labels of a made-up drive."""
+    size = MadeUp(frames=frames, cameras=cameras, objects=objects)
+    with tempfile.TemporaryDirectory(prefix="hindsight-benchmark-") as folder:
+        store_url = f"sqlite:///{folder}/hindsight.db"
+        settings = load_settings(workspace=Path(folder), database_url=store_url)
+        drive = write_made_up_drive(Path(folder) / "drive", size)
+        store_labels(settings, drive, made_up_labels(size), scene=None, model_name="made up", progress=SilentProgress())
+        start = time.perf_counter()
+        found = evaluate_drive(settings, drive, scene=None, config=EvaluationConfig())
+        seconds = round(time.perf_counter() - start, 3)
+    if as_json:
+        typer.echo(json.dumps({"frames": frames, "cameras": cameras, "objects": objects, "evaluate_seconds": seconds}))
+        return
+    images = frames * cameras
+    say(f"{seconds:.2f} s to evaluate {images} images with {objects} labels each ({found['truth_count']} true boxes)")

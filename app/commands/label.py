@@ -19,7 +19,7 @@ from labeler.detection import DetectionConfig
 from labeler.drive import Drive, open_drive
 from labeler.errors import HindsightError
 from labeler.evaluation.merges import score_merges
-from labeler.pipeline import Executor, LabelledDrive, LabelSettings, Summary, label_drive, open_executor
+from labeler.pipeline import Executor, LabelledDrive, LabelSettings, Progress, Summary, label_drive, open_executor
 
 
 class ExecutorName(StrEnum):
@@ -67,15 +67,28 @@ def label_into_store(
             executor=executor,
             progress=progress,
         )
-        engine = open_engine(settings.store_url)
-        migrate(engine)
-        store = Store(engine)
-        stored = drives_service.add_local_drive(store, DriveRegistration(path=str(folder.absolute()), scene=scene))
-        import_labelled_drive(store, stored.id, labelled, model_name=model.stem, progress=progress)
-        engine.dispose()
+        store_labels(settings, folder, labelled, scene=scene, model_name=model.stem, progress=progress)
     _report(labelled.summary)
     _report_truth(recorded, labelled)
     return labelled.summary
+
+
+def store_labels(
+    settings: Settings,
+    folder: Path,
+    labelled: LabelledDrive,
+    *,
+    scene: str | None,
+    model_name: str,
+    progress: Progress,
+) -> None:
+    """Register the drive in a folder where it is not yet, and make ``labelled`` its current labels in the store."""
+    engine = open_engine(settings.store_url)
+    migrate(engine)
+    store = Store(engine)
+    stored = drives_service.add_local_drive(store, DriveRegistration(path=str(folder.absolute()), scene=scene))
+    import_labelled_drive(store, stored.id, labelled, model_name=model_name, progress=progress)
+    engine.dispose()
 
 
 def require_model(settings: Settings) -> Path:
