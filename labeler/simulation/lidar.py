@@ -11,11 +11,12 @@ lost more often. ``intensity`` is reflectance and slant alone, as sensors that c
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from labeler.geometry.se3 import transform_points
 from labeler.simulation.errors import SimulationError
 from labeler.simulation.solids import Solid
 
@@ -88,6 +89,10 @@ class Scan:
     laser_number: NDArray[np.uint8]
     offset_ns: NDArray[np.int32]
     vehicle_id: NDArray[np.int32]
+
+    def moved(self, new_SE3_old: NDArray[np.float64]) -> "Scan":
+        """The same points in another frame that is fixed to the ego car."""
+        return replace(self, xyz_m=transform_points(new_SE3_old, self.xyz_m))
 
 
 def scan(
