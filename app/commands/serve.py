@@ -59,7 +59,7 @@ def serve_page(settings: Settings, *, drives: Sequence[Path] = (), open_browser:
     """Serve until Ctrl-C, after registering ``drives``."""
     _log_to_stderr()
     with open_socket(settings.host, settings.port) as listening:
-        _register(settings, drives)
+        _prepare(settings, drives)
 
         def on_ready() -> None:
             typer.echo(f"Hindsight is at {server.url} (Ctrl-C stops it).", err=True)
@@ -71,10 +71,8 @@ def serve_page(settings: Settings, *, drives: Sequence[Path] = (), open_browser:
             server.run()
 
 
-def _register(settings: Settings, drives: Sequence[Path]) -> None:
-    """Register drives, and queue those that have no labels yet where a model is configured."""
-    if not drives:
-        return
+def _prepare(settings: Settings, drives: Sequence[Path]) -> None:
+    """Open the store, register drives, and queue those that have no labels yet where a model is configured."""
     engine = open_engine(settings.store_url)
     migrate(engine)
     store = Store(engine)
@@ -88,4 +86,5 @@ def _register(settings: Settings, drives: Sequence[Path]) -> None:
 
 def _log_to_stderr() -> None:
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s %(name)s: %(message)s")
-    logging.getLogger("alembic").setLevel(logging.WARNING)
+    for chatty in ("alembic", "websockets"):
+        logging.getLogger(chatty).setLevel(logging.WARNING)
