@@ -12,6 +12,7 @@ from app.commands.demo import demo
 from app.commands.evaluate import evaluate
 from app.commands.label import label
 from app.commands.serve import serve, worker
+from app.commands.simulate import simulate
 from app.commands.terminal import INTERRUPTED, say
 from app.main import create_app
 from app.settings import Settings
@@ -40,7 +41,7 @@ main = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (demo, label, evaluate, serve, worker):
+for command in (demo, label, evaluate, simulate, serve, worker):
     main.command()(command)
 main.add_typer(benchmark, name="benchmark")
 
