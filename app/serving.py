@@ -83,8 +83,11 @@ class _UvicornServer(uvicorn.Server):
             self._on_ready()
 
     def handle_exit(self, sig: int, frame: FrameType | None) -> None:
+        """Stop; at once when Ctrl-C comes again. uvicorn's own would send itself the signal once more at the end, and
+        SIGTERM would then end the process before its worker is stopped."""
         self._stopping.set()
-        super().handle_exit(sig, frame)
+        self.force_exit = self.should_exit and sig == signal.SIGINT
+        self.should_exit = True
 
 
 @contextmanager

@@ -107,12 +107,13 @@ def make_labelled_drive(
     merges: Sequence[tuple[int, int, float, MergeState]] = MERGES,
     *,
     key: str = "first",
+    identity_of: Mapping[int, int] | None = None,
     on_frame: Callable[[int], None] = lambda _frame: None,
 ) -> LabelledDrive:
     """A result of the pipeline; the labels come from the labeler's own propagation. ``on_frame`` hears each frame."""
     camera_of = {track.track_id: track.camera for track in tracks}
     accepted = [(a, b) for a, b, _, state in merges if state is MergeState.ACCEPTED]
-    identity_of = components(camera_of, accepted)
+    identity_of = components(camera_of, accepted) if identity_of is None else identity_of
     by_frame = {
         frame: {camera: _observations(tracks, camera, frame) for camera in CAMERAS} for frame in _frames(tracks)
     }

@@ -10,7 +10,7 @@ from alembic.config import Config
 from sqlalchemy import Engine, inspect, text
 
 from app.db import tables
-from app.db.engine import migrate, open_engine
+from app.db.engine import StoreError, migrate, open_engine
 from app.db.session import Store
 
 
@@ -87,3 +87,19 @@ def test_a_reader_sees_one_state_while_another_writes(store: Store, drive_id: in
         assert reader.scalar(count) == 1
     with store.read() as reader:
         assert reader.scalar(count) == 0
+
+
+def test_a_store_that_is_no_database_is_told(tmp_path: Path) -> None:
+    (tmp_path / "store.db").write_text("these are not the bytes of a database, but enough of them" * 100)
+    with pytest.raises(StoreError, match="can't be opened: file is not a database"):
+        migrate(open_engine(f"sqlite:///{tmp_path / 'store.db'}"))
+
+
+def test_a_store_of_a_newer_version_is_told(url: str) -> None:
+    engine = open_engine(url)
+    migrate(engine)
+    with engine.begin() as connection:
+        connection.execute(text("UPDATE alembic_version SET version_num = '9999'"))
+    with pytest.raises(StoreError, match="not of this version"):
+        migrate(engine)
+    engine.dispose()
