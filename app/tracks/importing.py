@@ -151,6 +151,11 @@ def _write_frames(
     done = 0
     progress.stage(STAGE, frame_count)
     for frame in labelled.frames():
+        if frame.frame_index >= frame_count:
+            raise HindsightError(
+                f"The labels go beyond frame {frame_count - 1}, the last when the drive was registered. Its folder has "
+                "changed since: delete the drive here and register it again."
+            )
         for camera, view in frame.views.items():
             count = len(view.observations)
             observation_count += count

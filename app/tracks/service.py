@@ -27,7 +27,8 @@ def observations_json(session: Session, drive_id: int, start: int, stop: int) ->
     if drive is None:
         raise NotFound(f"There is no drive {drive_id}. It may have been deleted.")
     labelling = repository.current_labelling(session, drive_id)
-    frames: dict[int, list[dict[str, object]]] = {index: [] for index in range(start, min(stop, drive.frame_count))}
+    stop = min(stop, drive.frame_count)
+    frames: dict[int, list[dict[str, object]]] = {index: [] for index in range(start, stop)}
     if labelling is not None:
         found = repository.labelled_frames(session, labelling.id, start, stop)
         cameras = repository.camera_names(session, drive_id)

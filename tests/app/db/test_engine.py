@@ -8,6 +8,7 @@ import pytest
 from alembic import command
 from alembic.config import Config
 from sqlalchemy import Engine, inspect, text
+from sqlalchemy.exc import OperationalError
 
 from app.db import tables
 from app.db.engine import StoreError, migrate, open_engine
@@ -76,6 +77,16 @@ def test_a_write_that_fails_leaves_nothing(store: Store, drive_id: int) -> None:
         delete_and_fail()
     with store.read() as session:
         assert session.scalar(text("SELECT count(*) FROM drive")) == 1
+
+
+def test_writers_wait_for_each_other_from_their_first_statement_on(store: Store) -> None:
+    """BEGIN IMMEDIATE: a writer that has only read so far keeps others from writing in between."""
+    with store.write() as first:
+        first.scalar(text("SELECT count(*) FROM drive"))
+        with store.engine.connect() as second:
+            second.exec_driver_sql("PRAGMA busy_timeout = 0")
+            with pytest.raises(OperationalError, match="locked"):
+                second.execute(text("DELETE FROM drive"))
 
 
 def test_a_reader_sees_one_state_while_another_writes(store: Store, drive_id: int) -> None:

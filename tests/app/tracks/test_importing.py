@@ -103,6 +103,14 @@ def test_labels_of_an_unknown_camera_are_refused(store: Store, drive_id: int) ->
         import_labelled_drive(store, drive_id, strange, model_name="made")
 
 
+def test_labels_of_frames_that_the_drive_had_not_are_refused(store: Store, page: Page) -> None:
+    before = page.everything()
+    longer = make_labelled_drive((MadeTrack(1, "front", 0, {5: 0.5, 6: 0.5}),), (), key="longer")
+    with pytest.raises(HindsightError, match="beyond frame 5"):
+        import_labelled_drive(store, page.drive_id, longer, model_name="made")
+    assert page.everything() == before
+
+
 def test_a_deleted_drive_is_named(store: Store, drive_id: int) -> None:
     with pytest.raises(HindsightError, match=f"Drive {drive_id + 1} was deleted"):
         import_labelled_drive(store, drive_id + 1, make_labelled_drive(), model_name="made")
