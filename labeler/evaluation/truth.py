@@ -38,7 +38,7 @@ class TruthTable:
     def __len__(self) -> int:
         return len(self.image)
 
-    def __getitem__(self, rows: slice) -> TruthTable:
+    def __getitem__(self, rows: slice | NDArray[np.intp]) -> TruthTable:
         return TruthTable(
             self.image[rows],
             self.camera[rows],
