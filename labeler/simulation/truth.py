@@ -81,10 +81,14 @@ def boxes_in_image(view: View, ids: NDArray[np.integer], targets: Sequence[Targe
 
 def points_inside(target: Target, xyz_m: NDArray[np.floating], *, margin_m: float = 0.0) -> NDArray[np.bool_]:
     """(N,) which of (N, 3) points in the ego frame lie in a target's 3D box, widened by a margin on all sides."""
-    local_m = transform_points(invert_se3(target.ego_SE3_body), xyz_m)
     half_m = np.array(target.size_m) / 2
+    reach_m = float(np.hypot(half_m[0], half_m[1])) + 2 * margin_m
+    near = np.abs(xyz_m[:, 0] - target.ego_SE3_body[0, 3]) <= reach_m
+    near &= np.abs(xyz_m[:, 1] - target.ego_SE3_body[1, 3]) <= reach_m
+    local_m = transform_points(invert_se3(target.ego_SE3_body), xyz_m[near])
     local_m[:, 2] -= half_m[2]
-    return np.asarray((np.abs(local_m) <= half_m + margin_m).all(axis=1))
+    near[near] = (np.abs(local_m) <= half_m + margin_m).all(axis=1)
+    return near
 
 
 def _visible_share(view: View, ids: NDArray[np.integer], target: Target, whole_px: NDArray[np.float64]) -> float:
