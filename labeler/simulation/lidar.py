@@ -34,7 +34,7 @@ class LidarConfig:
     of returns lost whatever their strength."""
 
     channels: int = 64
-    columns: int = 1440
+    columns: int = 1800
     range_m: float = 100.0
     nearest_m: float = 1.0
     turn_s: float = 0.1

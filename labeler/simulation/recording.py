@@ -74,7 +74,7 @@ class SimulationConfig:
     parked_share: float = 0.6
     jpeg_quality: int = 90
     lidar_channels: int = 64
-    lidar_columns: int = 1440
+    lidar_columns: int = 1800
 
     def __post_init__(self) -> None:
         if not 0.5 <= self.rate_hz <= 50:
