@@ -216,7 +216,9 @@ def test_a_drive_without_labels_has_no_precision():
 
 @pytest.mark.parametrize("without", [None, Truth(None, None)])
 def test_a_drive_without_truth_is_refused(without: Truth | None):
-    with pytest.raises(EvaluationError, match=r"made has no true boxes in its images.*Evaluate a drive that comes with"):
+    with pytest.raises(
+        EvaluationError, match=r"made has no true boxes in its images.*Evaluate a drive that comes with"
+    ):
         evaluate_labels(source(), without, drive_name="made")
 
 
