@@ -5,12 +5,14 @@ from numpy.typing import NDArray
 
 from labeler.simulation.blocks import GROUND_STOREY_M, STOREY_M, Building, Rectangle
 from labeler.simulation.dimensions import KERB_HEIGHT_M
-from labeler.simulation.facades import BAY_M, BAYS, Facade, tuple_of
+from labeler.simulation.facades import BAY_M, BAYS, Facade
 from labeler.simulation.materials import Material, Shading
 from labeler.simulation.meshes import Mesh, Surface, box, join, quad
+from labeler.simulation.textures import rgb_of
 
 _PARAPET_M = 0.6
 _EAVES_M = 0.45
+_TILES = ((0.30, 0.09, 0.05), (0.16, 0.07, 0.05), (0.09, 0.09, 0.10))
 
 
 def building_mesh(building: Building, facades: dict[str, list[Facade]]) -> Mesh:
@@ -18,7 +20,7 @@ def building_mesh(building: Building, facades: dict[str, list[Facade]]) -> Mesh:
     rng = np.random.default_rng([building.look, 3])
     kinds = facades[building.facade]
     facade = kinds[int(rng.integers(len(kinds)))]
-    tint = tuple_of(rng.uniform(0.85, 1.08, size=3) * rng.uniform(0.85, 1.05))
+    tint = rgb_of(rng.uniform(0.85, 1.08, size=3) * rng.uniform(0.85, 1.05))
     shops = building.storeys > 1 and building.roof == "flat" and bool(rng.random() < 0.7)
     base_m, top_m = KERB_HEIGHT_M, KERB_HEIGHT_M + building.height_m
     ground_m = base_m + (GROUND_STOREY_M if building.storeys > 1 else STOREY_M)
@@ -58,10 +60,8 @@ def _wall(
 
 def _flat_roof(building: Building, top_m: float, rng: np.random.Generator) -> list[Mesh]:
     a = building.area
-    stone = Surface(tuple_of(rng.uniform(0.16, 0.34) * np.ones(3)), Material.WALL, rough=0.9)
-    parts = [
-        box((a.x0_m - 0.2, a.y0_m - 0.2, top_m - 0.1), (a.x1_m + 0.2, a.y1_m + 0.2, top_m + _PARAPET_M), stone)
-    ]
+    stone = Surface(rgb_of(rng.uniform(0.16, 0.34) * np.ones(3)), Material.WALL, rough=0.9)
+    parts = [box((a.x0_m - 0.2, a.y0_m - 0.2, top_m - 0.1), (a.x1_m + 0.2, a.y1_m + 0.2, top_m + _PARAPET_M), stone)]
     metal = Surface((0.4, 0.41, 0.42), Material.METAL, rough=0.5, metal=0.3)
     for _ in range(int(rng.integers(1, 4))):
         side_m, height_m = float(rng.uniform(1.2, 3.0)), float(rng.uniform(0.9, 2.4))
@@ -75,7 +75,7 @@ def _flat_roof(building: Building, top_m: float, rng: np.random.Generator) -> li
 def _gable(building: Building, top_m: float, rng: np.random.Generator) -> list[Mesh]:
     """A ridge along the longer side, with tiles and a chimney."""
     a = building.area
-    tiles = Surface(((0.30, 0.09, 0.05), (0.16, 0.07, 0.05), (0.09, 0.09, 0.10))[int(rng.integers(3))], Material.WALL, rough=0.9)
+    tiles = Surface(_TILES[int(rng.integers(len(_TILES)))], Material.WALL, rough=0.9)
     plaster = Surface((0.55, 0.52, 0.46), Material.WALL, rough=0.9)
     along_x = a.width_m >= a.depth_m
     x0, x1, y0, y1 = a.x0_m - _EAVES_M, a.x1_m + _EAVES_M, a.y0_m - _EAVES_M, a.y1_m + _EAVES_M
@@ -124,7 +124,7 @@ def _front_m(building: Building) -> float:
 
 
 def _awnings(building: Building, rng: np.random.Generator) -> list[Mesh]:
-    cloth = Surface(tuple_of(rng.uniform(0.02, 0.5, size=3)), rough=0.9)
+    cloth = Surface(rgb_of(rng.uniform(0.02, 0.5, size=3)), rough=0.9)
     low_m = KERB_HEIGHT_M + 2.75
     return [
         _front_boxes(building, (float(start), float(start) + 3.0), (low_m, low_m + 0.16), 1.1, cloth)

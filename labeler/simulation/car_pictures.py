@@ -9,6 +9,7 @@ from labeler.simulation.textures import BODY, CHROME, HEADLAMP, PLATE, TAIL_LAMP
 _SEAM = Ink((38, 38, 40), rough=0.6)
 _ARCH = Ink((6, 6, 6), rough=0.95)
 _GRILLE = Ink((17, 17, 18), rough=0.5)
+_REVERSING_LAMP = Ink((225, 215, 205), rough=0.15)
 _LETTERS = Ink((25, 25, 30), rough=0.5)
 
 
@@ -46,39 +47,21 @@ def _side(s: CarShape, *, chrome: bool, glazed: bool) -> Picture:
         picture.rectangle((-half_m, half_m), (0.0, sill_m + 0.16), TRIM)
     for axle_m in (s.front_axle_m, s.rear_axle_m):
         if s.style in ("suv", "pickup"):
-            picture.ellipse((axle_m, s.wheel_radius_m), (s.wheel_radius_m + 0.12,) * 2, TRIM)
-        picture.ellipse((axle_m, s.wheel_radius_m), (s.wheel_radius_m + 0.06,) * 2, _ARCH)
+            picture.ellipse((axle_m, s.wheel_radius_m), _round(s.wheel_radius_m + 0.12), TRIM)
+        picture.ellipse((axle_m, s.wheel_radius_m), _round(s.wheel_radius_m + 0.06), _ARCH)
     hood_m, tail_m = s.hood_m, s.tail_m
-    picture.polygon(
-        [
-            (s.x_at(0), hood_m * 0.74),
-            (s.x_at(0.055), hood_m * 0.80),
-            (s.x_at(0.045), hood_m * 0.66),
-            (s.x_at(0), hood_m * 0.60),
-        ],
-        HEADLAMP,
-    )
-    picture.polygon(
-        [
-            (s.x_at(1), tail_m * 0.93),
-            (s.x_at(0.95), tail_m * 0.90),
-            (s.x_at(0.955), tail_m * 0.74),
-            (s.x_at(1), tail_m * 0.72),
-        ],
-        TAIL_LAMP,
-    )
+    headlamp = [(0.0, 0.74), (0.055, 0.80), (0.045, 0.66), (0.0, 0.60)]
+    picture.polygon([(s.x_at(at), hood_m * z) for at, z in headlamp], HEADLAMP)
+    tail_lamp = [(1.0, 0.93), (0.95, 0.90), (0.955, 0.74), (1.0, 0.72)]
+    picture.polygon([(s.x_at(at), tail_m * z) for at, z in tail_lamp], TAIL_LAMP)
     return picture
 
 
 def _side_windows(picture: Picture, s: CarShape, glass_m: float, *, glazed: bool) -> None:
     top_m = s.height_m * (0.90 if s.body == "van" else 0.935)
     if s.body == "van":
-        outline = [
-            (s.hood_end + 0.035, glass_m + 0.05),
-            (s.roof_start + 0.02, top_m),
-            (0.40, top_m),
-            (0.40, glass_m + 0.05),
-        ]
+        low_m = glass_m + 0.05
+        outline = [(s.hood_end + 0.035, low_m), (s.roof_start + 0.02, top_m), (0.40, top_m), (0.40, low_m)]
         picture.polygon([(s.x_at(at), z) for at, z in outline], WINDOW)
         for start, end in ((0.43, 0.66), (0.69, 0.95)) if glazed else ():
             picture.rectangle((s.x_at(end), s.x_at(start)), (glass_m + 0.05, top_m), WINDOW)
@@ -102,13 +85,8 @@ def _front(s: CarShape, plate: str, *, bars: int, chrome: bool) -> Picture:
     w, hood_m = s.width_m, s.hood_m
     picture = Picture((-w / 2, w / 2), (0.0, s.height_m), BODY)
     picture.rectangle((-w / 2, w / 2), (0.0, s.sill_m + 0.10), TRIM)
-    grille = [
-        (-0.30 * w, hood_m * 0.46),
-        (0.30 * w, hood_m * 0.46),
-        (0.36 * w, hood_m * 0.70),
-        (-0.36 * w, hood_m * 0.70),
-    ]
-    picture.polygon(grille, _GRILLE)
+    grille = [(-0.30, 0.46), (0.30, 0.46), (0.36, 0.70), (-0.36, 0.70)]
+    picture.polygon([(y * w, z * hood_m) for y, z in grille], _GRILLE)
     for z in np.linspace(0.50, 0.66, bars):
         picture.line([(-0.31 * w, hood_m * z), (0.31 * w, hood_m * z)], 2 if chrome else 1, CHROME)
     for sign in (-1, 1):
@@ -118,13 +96,9 @@ def _front(s: CarShape, plate: str, *, bars: int, chrome: bool) -> Picture:
         picture.rectangle((sign * 0.31 * w, sign * 0.40 * w), (hood_m * 0.34, hood_m * 0.41), CHROME)
     _number_plate(picture, plate, hood_m * 0.43 - 0.11)
     picture.ellipse((0.0, hood_m * 0.73), (0.05, 0.05), CHROME)
-    screen = [
-        (-0.40 * w, hood_m + 0.10),
-        (0.40 * w, hood_m + 0.10),
-        (0.36 * w, s.height_m * 0.93),
-        (-0.36 * w, s.height_m * 0.93),
-    ]
-    picture.polygon(screen, WINDOW)
+    low_m, top_m = hood_m + 0.10, s.height_m * 0.93
+    screen = [(-0.40, low_m), (0.40, low_m), (0.36, top_m), (-0.36, top_m)]
+    picture.polygon([(y * w, z) for y, z in screen], WINDOW)
     return picture
 
 
@@ -132,10 +106,9 @@ def _rear(s: CarShape, plate: str) -> Picture:
     w, tail_m = s.width_m, s.tail_m
     picture = Picture((-w / 2, w / 2), (0.0, s.height_m), BODY)
     if s.steep_tail:
-        top_m = s.height_m * 0.91
-        picture.polygon(
-            [(-0.38 * w, s.belt_m + 0.06), (0.38 * w, s.belt_m + 0.06), (0.33 * w, top_m), (-0.33 * w, top_m)], WINDOW
-        )
+        low_m, top_m = s.belt_m + 0.06, s.height_m * 0.91
+        screen = [(-0.38, low_m), (0.38, low_m), (0.33, top_m), (-0.33, top_m)]
+        picture.polygon([(y * w, z) for y, z in screen], WINDOW)
         if s.body == "van":
             picture.line([(0.0, s.sill_m + 0.2), (0.0, s.height_m * 0.95)], 2, _SEAM)
     for sign in (-1, 1):
@@ -143,9 +116,7 @@ def _rear(s: CarShape, plate: str) -> Picture:
         if s.style in ("suv", "wagon", "minivan", "van", "pickup"):
             lamp = [(0.36, 1.04), (0.47, 1.04), (0.48, 0.68), (0.37, 0.68)]
         picture.polygon([(sign * y * w, z * tail_m) for y, z in lamp], TAIL_LAMP)
-        picture.rectangle(
-            (sign * 0.38 * w, sign * 0.45 * w), (tail_m * 0.76, tail_m * 0.80), Ink((225, 215, 205), rough=0.15)
-        )
+        picture.rectangle((sign * 0.38 * w, sign * 0.45 * w), (tail_m * 0.76, tail_m * 0.80), _REVERSING_LAMP)
     picture.line([(-0.30 * w, tail_m * 0.97), (0.30 * w, tail_m * 0.97)], 1, _SEAM)
     picture.line([(-0.44 * w, tail_m * 0.62), (0.44 * w, tail_m * 0.62)], 1, _SEAM)
     picture.rectangle((-w / 2, w / 2), (0.0, s.sill_m + 0.14), TRIM)
@@ -172,3 +143,7 @@ def _top(s: CarShape, *, sunroof: bool) -> Picture:
     if sunroof:
         picture.rectangle((s.x_at(s.roof_start + 0.15), s.x_at(s.roof_start + 0.03)), (-0.24 * w, 0.24 * w), WINDOW)
     return picture
+
+
+def _round(radius_m: float) -> tuple[float, float]:
+    return radius_m, radius_m

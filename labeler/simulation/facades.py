@@ -9,12 +9,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from labeler.simulation.textures import Ink, Picture, TextureSet, tileable_noise
+from labeler.simulation.textures import Ink, Picture, TextureSet, rgb_of, tileable_noise
 
 BAYS = 4
 BAY_M = 3.2
 _SPAN_M = BAYS * BAY_M
 _VARIANTS = 2
+_BLIND = Ink((152, 147, 138), rough=0.5)
 _SIGNS = ("CAFE", "MARKET", "BOOKS", "BANK", "PHARMACY", "HOTEL", "PIZZA", "BAKERY", "FLOWERS", "TOOLS")
 
 Rgb = tuple[float, float, float]
@@ -73,18 +74,19 @@ def _wall(kind: str, color: Rgb, rng: np.random.Generator) -> Picture:
 
 def _punched(picture: Picture, wall: Rgb, frame: Rgb, rng: np.random.Generator, width: float, height: float) -> None:
     """A window in each bay, ``width`` and ``height`` as shares of it, with sill, frame and sometimes a blind."""
-    sill = Ink(_scaled(wall, 1.2), rough=0.8)
+    sill, rim = Ink(_scaled(wall, 1.2), rough=0.8), Ink(frame)
+    half_x, half_z = width * BAY_M / 2, height * BAY_M / 2
     for row in range(BAYS):
         for bay in range(BAYS):
             x_m, z_m = (bay + 0.5) * BAY_M, (row + 0.5) * BAY_M
-            half_x, half_z = width * BAY_M / 2, height * BAY_M / 2
-            picture.rectangle((x_m - half_x - 0.1, x_m + half_x + 0.1), (z_m - half_z - 0.1, z_m + half_z + 0.1), Ink(frame))
-            picture.rectangle((x_m - half_x, x_m + half_x), (z_m - half_z, z_m + half_z), _glass(rng))
+            low_m, high_m, pane = z_m - half_z, z_m + half_z, (x_m - half_x, x_m + half_x)
+            picture.rectangle((pane[0] - 0.1, pane[1] + 0.1), (low_m - 0.1, high_m + 0.1), rim)
+            picture.rectangle(pane, (low_m, high_m), _glass(rng))
             if rng.random() < 0.35:
-                low_m = z_m + half_z * (1 - 2 * float(rng.uniform(0.2, 0.8)))
-                picture.rectangle((x_m - half_x, x_m + half_x), (low_m, z_m + half_z), Ink((152, 147, 138), rough=0.5))
-            picture.line([(x_m, z_m - half_z), (x_m, z_m + half_z)], 1, Ink(frame))
-            picture.rectangle((x_m - half_x - 0.18, x_m + half_x + 0.18), (z_m - half_z - 0.22, z_m - half_z - 0.1), sill)
+                blind_m = high_m - 2 * half_z * float(rng.uniform(0.2, 0.8))
+                picture.rectangle(pane, (blind_m, high_m), _BLIND)
+            picture.line([(x_m, low_m), (x_m, high_m)], 1, rim)
+            picture.rectangle((pane[0] - 0.18, pane[1] + 0.18), (low_m - 0.22, low_m - 0.1), sill)
 
 
 def _brick(picture: Picture, wall: Rgb, frame: Rgb, rng: np.random.Generator) -> None:
@@ -95,7 +97,7 @@ def _plaster(picture: Picture, wall: Rgb, frame: Rgb, rng: np.random.Generator) 
     width = float(rng.uniform(0.30, 0.42))
     _punched(picture, wall, frame, rng, width, 0.55)
     if rng.random() < 0.6:
-        shutter = Ink(tuple_of(rng.uniform(50, 130, size=3)), rough=0.7)
+        shutter = Ink(rgb_of(rng.uniform(50, 130, size=3)), rough=0.7)
         for row in range(BAYS):
             for bay in range(BAYS):
                 for sign in (-1, 1):
@@ -110,16 +112,18 @@ def _concrete(picture: Picture, wall: Rgb, frame: Rgb, rng: np.random.Generator)
         low_m, high_m = (row + 0.32) * BAY_M, (row + 0.82) * BAY_M
         picture.rectangle((0.0, _SPAN_M), (low_m, high_m), Ink(frame))
         for x_m in np.arange(0.0, _SPAN_M - 0.1, BAY_M / 2):
-            picture.rectangle((float(x_m) + 0.06, float(x_m) + BAY_M / 2 - 0.06), (low_m + 0.06, high_m - 0.06), _glass(rng))
+            pane = (float(x_m) + 0.06, float(x_m) + BAY_M / 2 - 0.06)
+            picture.rectangle(pane, (low_m + 0.06, high_m - 0.06), _glass(rng))
 
 
 def _curtain(picture: Picture, wall: Rgb, frame: Rgb, rng: np.random.Generator) -> None:
     del frame
+    spandrel = Ink(_scaled(wall, 0.75), rough=0.2, glass=0.6)
     for row in range(BAYS):
         for x_m in np.arange(0.0, _SPAN_M - 0.1, BAY_M / 2):
             pane = (float(x_m) + 0.05, float(x_m) + BAY_M / 2 - 0.05)
             picture.rectangle(pane, (row * BAY_M + 0.85, (row + 1) * BAY_M - 0.08), _glass(rng, bright=1.6))
-            picture.rectangle(pane, (row * BAY_M + 0.06, row * BAY_M + 0.78), Ink(_scaled(wall, 0.75), rough=0.2, glass=0.6))
+            picture.rectangle(pane, (row * BAY_M + 0.06, row * BAY_M + 0.78), spandrel)
 
 
 def _stone(picture: Picture, wall: Rgb, frame: Rgb, rng: np.random.Generator) -> None:
@@ -142,20 +146,22 @@ _UPPER: dict[str, Callable[[Picture, Rgb, Rgb, np.random.Generator], None]] = {
 def _shop_fronts(picture: Picture, frame: Rgb, rng: np.random.Generator) -> None:
     """Shop windows under one sign board; the picture's whole height is the ground floor."""
     top = _SPAN_M
-    board = Ink(tuple_of(rng.uniform(20, 190, size=3)), rough=0.6)
+    board = Ink(rgb_of(rng.uniform(20, 190, size=3)), rough=0.6)
     for bay in range(BAYS):
         x_m = (bay + 0.5) * BAY_M
         door = bay == 1
         foot = 0.02 if door else 0.10
         picture.rectangle((x_m - 1.4, x_m + 1.4), (foot * top, 0.76 * top), Ink(_scaled(frame, 0.6)))
         picture.rectangle((x_m - 1.3, x_m + 1.3), ((foot + 0.02) * top, 0.75 * top), _glass(rng, bright=1.5))
-        goods = Ink(tuple_of(rng.uniform(40, 150, size=3)), rough=0.5)
+        goods = Ink(rgb_of(rng.uniform(40, 150, size=3)), rough=0.5)
         if not door:
-            picture.rectangle((x_m - 1.0, x_m + float(rng.uniform(-0.2, 0.9))), ((foot + 0.02) * top, 0.35 * top), goods)
+            shelf = (x_m - 1.0, x_m + float(rng.uniform(-0.2, 0.9)))
+            picture.rectangle(shelf, ((foot + 0.02) * top, 0.35 * top), goods)
         picture.line([(x_m, foot * top), (x_m, 0.75 * top)], 1, Ink(frame))
     picture.rectangle((0.0, top), (0.79 * top, 0.93 * top), board)
     words = str(rng.choice(_SIGNS))
-    picture.text(words, (float(rng.uniform(0.5, 4.0)), 0.82 * top), 0.08 * top, Ink((240, 240, 234)))
+    start = float(rng.uniform(0.5, 4.0))
+    picture.text(words, (start, 0.82 * top), 0.08 * top, Ink((240, 240, 234)), broader=0.33)
 
 
 def _flat_fronts(picture: Picture, frame: Rgb, rng: np.random.Generator) -> None:
@@ -164,7 +170,7 @@ def _flat_fronts(picture: Picture, frame: Rgb, rng: np.random.Generator) -> None
     for bay in range(BAYS):
         x_m = (bay + 0.5) * BAY_M
         if bay == 1:
-            door = Ink(tuple_of(rng.uniform(30, 110, size=3)), rough=0.5)
+            door = Ink(rgb_of(rng.uniform(30, 110, size=3)), rough=0.5)
             picture.rectangle((x_m - 0.75, x_m + 0.75), (0.0, 0.68 * top), Ink(frame))
             picture.rectangle((x_m - 0.6, x_m + 0.6), (0.0, 0.64 * top), door)
             picture.rectangle((x_m - 0.35, x_m + 0.35), (0.38 * top, 0.58 * top), _glass(rng))
@@ -181,8 +187,3 @@ def _glass(rng: np.random.Generator, *, bright: float = 1.0) -> Ink:
 
 def _scaled(color: Rgb, factor: float) -> Rgb:
     return min(255.0, color[0] * factor), min(255.0, color[1] * factor), min(255.0, color[2] * factor)
-
-
-def tuple_of(values: np.ndarray[tuple[int], np.dtype[np.float64]]) -> Rgb:
-    """Three numbers as a colour."""
-    return float(values[0]), float(values[1]), float(values[2])

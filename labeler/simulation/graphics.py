@@ -4,6 +4,7 @@ card's memory that are drawn many times at once, and uniforms by name.
 moderngl belongs to the extra ``simulation`` and is loaded here only, when a context is opened.
 """
 
+from collections.abc import Mapping
 from importlib import import_module
 from typing import Any
 
@@ -51,7 +52,10 @@ def instance_row(
     return row
 
 
-def set_uniforms(program: Any, values: dict[str, Any]) -> None:
+Uniform = NDArray[np.floating] | tuple[float, ...] | float | int
+
+
+def set_uniforms(program: Any, values: Mapping[str, Uniform]) -> None:
     """Sets those of a program's uniforms that it uses. Matrices are (4, 4) arrays, row by row."""
     for name, value in values.items():
         if name not in program:

@@ -5,6 +5,8 @@ Texture places of asphalt are (metres to the side of the street's centre line, m
 ``NO_STREET_M`` means that no wheels have worn the place.
 """
 
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -21,7 +23,7 @@ from labeler.simulation.dimensions import (
 )
 from labeler.simulation.layout import Crossing, Edge, ParkingSlot, TownLayout
 from labeler.simulation.materials import Material, Shading
-from labeler.simulation.meshes import Mesh, Surface, join, quad
+from labeler.simulation.meshes import Mesh, Surface, build_mesh, join, quad
 from labeler.simulation.towns import TownStyle
 
 NO_STREET_M = 99.0
@@ -52,9 +54,8 @@ def ground_pieces(layout: TownLayout) -> list[Mesh]:
 
 
 def _flat(area: Rectangle, z_m: float, surface: Surface, *, uv: ArrayLike | None = None) -> Mesh:
-    corners = [
-        (area.x0_m, area.y0_m, z_m), (area.x1_m, area.y0_m, z_m), (area.x1_m, area.y1_m, z_m), (area.x0_m, area.y1_m, z_m)
-    ]  # fmt: skip
+    x0, y0, x1, y1 = area.x0_m, area.y0_m, area.x1_m, area.y1_m
+    corners = [(x0, y0, z_m), (x1, y0, z_m), (x1, y1, z_m), (x0, y1, z_m)]
     return quad(corners, surface, uv=uv)
 
 
@@ -84,7 +85,9 @@ def _junctions(layout: TownLayout) -> list[Mesh]:
     ]
 
 
-def _strip(edge: Edge, along_m: tuple[float, float], right_m: tuple[float, float], z_m: float, surface: Surface) -> Mesh:
+def _strip(
+    edge: Edge, along_m: tuple[float, float], right_m: tuple[float, float], surface: Surface, *, z_m: float = _MARKING_M
+) -> Mesh:
     """A rectangle given along and to the right of an edge."""
     places = [(along_m[0], right_m[1]), (along_m[1], right_m[1]), (along_m[1], right_m[0]), (along_m[0], right_m[0])]
     corners = [(*edge.point_m(along, right), z_m) for along, right in places]
@@ -94,7 +97,7 @@ def _strip(edge: Edge, along_m: tuple[float, float], right_m: tuple[float, float
 def _carriageway(edge: Edge) -> Mesh:
     """Both directions of a street between its junctions' squares."""
     half_m = HALF_CARRIAGEWAY_M
-    return _strip(edge, (half_m, edge.length_m - half_m), (-half_m, half_m), 0.0, _ASPHALT)
+    return _strip(edge, (half_m, edge.length_m - half_m), (-half_m, half_m), _ASPHALT, z_m=0.0)
 
 
 def _edge_markings(edge: Edge) -> list[Mesh]:
@@ -103,17 +106,18 @@ def _edge_markings(edge: Edge) -> list[Mesh]:
     start_m = STOP_LINE_M if edge.start.signalised else HALF_CARRIAGEWAY_M + 1.0
     end_m = edge.length_m - (STOP_LINE_M if controlled else HALF_CARRIAGEWAY_M + 1.0)
     lane_m = LANE_WIDTH_M
-    parts = [_strip(edge, (start_m, end_m), (0.08, 0.08 + _LINE_M), _MARKING_M, _YELLOW)]
+    parts = [_strip(edge, (start_m, end_m), (0.08, 0.08 + _LINE_M), _YELLOW)]
     for dash_m in np.arange(start_m + 1.5, end_m - 4.5, 9.0):
         for lane in range(1, LANES_EACH_WAY):
             side_m = (lane * lane_m - _LINE_M / 2, lane * lane_m + _LINE_M / 2)
-            parts.append(_strip(edge, (float(dash_m), float(dash_m) + 3.0), side_m, _MARKING_M, _WHITE))
+            parts.append(_strip(edge, (float(dash_m), float(dash_m) + 3.0), side_m, _WHITE))
     bay_m = (LANES_EACH_WAY * lane_m + 0.02, LANES_EACH_WAY * lane_m + 0.02 + _LINE_M)
-    parts.append(_strip(edge, (BAY_START_M, edge.length_m - BAY_START_M), bay_m, _MARKING_M, _WHITE))
+    parts.append(_strip(edge, (BAY_START_M, edge.length_m - BAY_START_M), bay_m, _WHITE))
     if controlled:
         stop_m = edge.length_m - STOP_LINE_M
         half_m = STOP_LINE_WIDTH_M / 2
-        parts.append(_strip(edge, (stop_m - half_m, stop_m + half_m), (0.1, LANES_EACH_WAY * lane_m), _MARKING_M, _WHITE))
+        across_m = (0.1, LANES_EACH_WAY * lane_m)
+        parts.append(_strip(edge, (stop_m - half_m, stop_m + half_m), across_m, _WHITE))
         for lane in range(LANES_EACH_WAY):
             parts += _arrow(edge, stop_m - 6.0, (lane + 0.5) * lane_m)
     return parts
@@ -121,12 +125,10 @@ def _edge_markings(edge: Edge) -> list[Mesh]:
 
 def _arrow(edge: Edge, tail_m: float, right_m: float) -> list[Mesh]:
     """An arrow ahead on a lane, 3.4 m long."""
-    shaft = _strip(edge, (tail_m, tail_m + 2.2), (right_m - 0.09, right_m + 0.09), _MARKING_M, _WHITE)
-    places = [(tail_m + 2.2, right_m + 0.36), (tail_m + 3.4, right_m), (tail_m + 3.4, right_m), (tail_m + 2.2, right_m - 0.36)]
+    shaft = _strip(edge, (tail_m, tail_m + 2.2), (right_m - 0.09, right_m + 0.09), _WHITE)
+    places = [(tail_m + 2.2, right_m + 0.36), (tail_m + 3.4, right_m), (tail_m + 2.2, right_m - 0.36)]
     corners = [(*edge.point_m(along, right), _MARKING_M) for along, right in places]
-    corners[2] = corners[1]
-    head = quad([corners[0], corners[1], corners[2], corners[3]], _WHITE)
-    return [shaft, head]
+    return [shaft, build_mesh(corners, [0.0, 0.0, 1.0], [[0, 1, 2]], _WHITE)]
 
 
 def _slot_corner(slot: ParkingSlot) -> Mesh:
@@ -156,7 +158,7 @@ def _zebra(crossing: Crossing) -> list[Mesh]:
 def _block(block: Block, style: TownStyle) -> Mesh:
     """A block's sidewalks, lawn and kerbs."""
     area, z_m = block.area, KERB_HEIGHT_M
-    inner = area.inset(**{side: BAY_DEPTH_M for side in sorted(block.streets)})
+    inner = area.inset(**dict.fromkeys(sorted(block.streets), BAY_DEPTH_M))
     lawn = sidewalk_of(block, style)
     paved = [*_frame(area, inner, block.bays), *_frame(inner, lawn, ())]
     parts = [_flat(piece, z_m, _PAVING) for piece in paved] + [_flat(lawn, z_m, _LAWN)]
@@ -214,7 +216,7 @@ def _kerb(line: list[tuple[float, float]]) -> list[Mesh]:
     """Upright faces along a line whose right side is the street, and the kerbstones on top."""
     parts: list[Mesh] = []
     top_m = KERB_HEIGHT_M + 0.004
-    for (x0, y0), (x1, y1) in zip(line[:-1], line[1:], strict=True):
+    for (x0, y0), (x1, y1) in pairwise(line):
         length_m = float(np.hypot(x1 - x0, y1 - y0))
         if length_m < 1e-6:
             continue
@@ -223,4 +225,3 @@ def _kerb(line: list[tuple[float, float]]) -> list[Mesh]:
         stone = [(x0, y0, top_m), (x1, y1, top_m), (x1 + in_x, y1 + in_y, top_m), (x0 + in_x, y0 + in_y, top_m)]
         parts.append(quad(stone, _KERB))
     return parts
-

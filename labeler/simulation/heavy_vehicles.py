@@ -1,16 +1,30 @@
 """Buses and trucks, from rounded boxes with drawn sides."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
 from labeler.simulation.materials import Material
 from labeler.simulation.meshes import Mesh, Surface, box, cylinder, join
 from labeler.simulation.rounded_box import BoxLayers, rounded_box
-from labeler.simulation.textures import BODY, CHROME, HEADLAMP, PLATE, TAIL_LAMP, TRIM, WINDOW, Ink, Picture, TextureSet
+from labeler.simulation.textures import (
+    BODY,
+    CHROME,
+    HEADLAMP,
+    PLATE,
+    TAIL_LAMP,
+    TRIM,
+    WINDOW,
+    Ink,
+    Picture,
+    TextureSet,
+    rgb_of,
+)
 from labeler.simulation.wheels import wheel
 
 _SEAM = Ink((60, 60, 62), rough=0.6)
+_INDICATOR = Ink((232, 145, 30), rough=0.2)
 _DARK = Surface((0.03, 0.03, 0.03), rough=0.9)
 _GREY = Surface((0.45, 0.45, 0.46), Material.METAL, metal=0.3, rough=0.5)
 _PAINTED = Surface((1.0, 1.0, 1.0), Material.PAINT, paint=1.0, rough=0.35)
@@ -72,7 +86,7 @@ def truck_meshes(textures: TextureSet, shape: HeavyShape, rng: np.random.Generat
     s = shape
     cab_m, gap_m = (1.75, 0.12) if s.style == "box-truck" else (2.05, 0.15)
     cab_top_m = min(s.height_m - 0.35, 2.35 if s.style == "box-truck" else 2.95)
-    nose_m, behind_m = s.length_m / 2, s.length_m / 2 - cab_m
+    nose_m, behind_m, half_m = s.length_m / 2, s.length_m / 2 - cab_m, s.width_m / 2
     cab = _cab_layers(textures, s, cab_m, cab_top_m, rng)
     frame = box((-s.length_m / 2 + 0.15, -0.48, s.floor_m), (nose_m - 0.3, 0.48, s.floor_m + 0.42), _DARK)
     parts = [frame, *_truck_fittings(s, behind_m, cab_top_m)]
@@ -83,17 +97,10 @@ def truck_meshes(textures: TextureSet, shape: HeavyShape, rng: np.random.Generat
         cargo = _cargo_layers(textures, s, behind_m - gap_m, rng)
     meshes: list[Mesh] = []
     for detail, steps in enumerate((3, 2, 1)):
-        bodies = [
-            rounded_box(
-                (behind_m, -s.width_m / 2 * 0.95, s.floor_m - 0.05), (nose_m, s.width_m / 2 * 0.95, cab_top_m), 0.16, cab,
-                steps=steps,
-            )
-        ]  # fmt: skip
+        low, high = (behind_m, -half_m * 0.95, s.floor_m - 0.05), (nose_m, half_m * 0.95, cab_top_m)
+        bodies = [rounded_box(low, high, 0.16, cab, steps=steps)]
         if cargo is not None:
-            low, high = (
-                (-s.length_m / 2, -s.width_m / 2, s.floor_m + 0.42),
-                (behind_m - gap_m, s.width_m / 2, s.height_m),
-            )
+            low, high = (-s.length_m / 2, -half_m, s.floor_m + 0.42), (behind_m - gap_m, half_m, s.height_m)
             bodies.append(rounded_box(low, high, 0.04, cargo, steps=1))
         meshes.append(join([*bodies, *parts, *_axles(s, rim_layer, detail)]))
     return tuple(meshes)
@@ -107,7 +114,7 @@ def _axles(s: HeavyShape, rim_layer: int, detail: int) -> list[Mesh]:
 
 
 def _bus_layers(textures: TextureSet, s: HeavyShape, top_m: float, rng: np.random.Generator) -> BoxLayers:
-    band = Ink(tuple(float(c) for c in rng.integers(40, 220, size=3)), rough=0.3)
+    band = Ink(rgb_of(rng.integers(40, 220, size=3)), rough=0.3)
     line = f"{rng.integers(10, 99)} " + str(rng.choice(["CENTER", "STATION", "HARBOUR", "PARK"]))
     half_m, z_m = s.length_m / 2, (s.floor_m, top_m)
     sides = [Picture((-half_m, half_m) if right else (half_m, -half_m), z_m, BODY) for right in (False, True)]
@@ -146,7 +153,7 @@ def _bus_side(side: Picture, s: HeavyShape, top_m: float, band: Ink, *, doors: b
     side.rectangle((-half_m + 0.25, half_m - 0.12), (sill_m, head_m), Ink((13, 13, 14), rough=0.25))
     count = round((s.length_m - 0.8) / 1.45)
     edges = np.linspace(-half_m + 0.30, half_m - 0.20, count + 1)
-    for start, end in zip(edges[:-1], edges[1:], strict=True):
+    for start, end in pairwise(edges):
         side.rectangle((float(start) + 0.04, float(end) - 0.05), (sill_m + 0.05, head_m - 0.05), WINDOW)
         side.line([(start + 0.04, head_m - 0.32), (end - 0.05, head_m - 0.32)], 1, _SEAM)
     for x_m in (half_m - 1.75, -0.6) if doors else ():
@@ -155,7 +162,7 @@ def _bus_side(side: Picture, s: HeavyShape, top_m: float, band: Ink, *, doors: b
             side.rectangle((x_m + 0.06 + 0.6 * k, x_m + 0.58 + 0.6 * k), (s.floor_m + 0.18, head_m - 0.06), WINDOW)
     side.rectangle((-half_m, half_m), (s.floor_m, s.floor_m + 0.12), TRIM)
     for axle_m in s.axles_m:
-        side.ellipse((axle_m, s.wheel_radius_m), (s.wheel_radius_m + 0.10,) * 2, Ink((6, 6, 6), rough=0.95))
+        side.ellipse((axle_m, s.wheel_radius_m), _round(s.wheel_radius_m + 0.10), Ink((6, 6, 6), rough=0.95))
     side.rectangle((-half_m, -half_m + 0.12), (0.85, 1.05), TAIL_LAMP)
     side.rectangle((half_m - 0.14, half_m), (0.64, 0.80), HEADLAMP)
 
@@ -174,7 +181,7 @@ def _cab_layers(textures: TextureSet, s: HeavyShape, cab_m: float, top_m: float,
         side.rectangle((nose_m - cab_m * 0.62, nose_m - cab_m * 0.62 + 0.2), (belt_m - 0.2, belt_m - 0.14), _SEAM)
         side.rectangle((nose_m - cab_m, nose_m), (low_m, low_m + 0.2), TRIM)
         axle_m = s.axles_m[0]
-        side.ellipse((axle_m, s.wheel_radius_m), (s.wheel_radius_m + 0.12,) * 2, Ink((6, 6, 6), rough=0.95))
+        side.ellipse((axle_m, s.wheel_radius_m), _round(s.wheel_radius_m + 0.12), Ink((6, 6, 6), rough=0.95))
     front = Picture((-w / 2, w / 2), z_m, BODY)
     front.rectangle((-0.45 * w, 0.45 * w), (belt_m - 0.05, top_m - 0.20), WINDOW)
     front.rectangle((-0.34 * w, 0.34 * w), (low_m + 0.42, belt_m - 0.28), TRIM)
@@ -184,16 +191,14 @@ def _cab_layers(textures: TextureSet, s: HeavyShape, cab_m: float, top_m: float,
     front.rectangle((-0.26, 0.26), (low_m + 0.1, low_m + 0.21), PLATE)
     for sign in (-1, 1):
         front.rectangle((sign * 0.36 * w, sign * 0.48 * w), (low_m + 0.36, low_m + 0.56), HEADLAMP)
-        front.rectangle(
-            (sign * 0.42 * w, sign * 0.49 * w), (low_m + 0.58, low_m + 0.64), Ink((230, 140, 30), rough=0.2)
-        )
+        front.rectangle((sign * 0.42 * w, sign * 0.49 * w), (low_m + 0.58, low_m + 0.64), _INDICATOR)
     rear, top = Picture((-1, 1), (0, 1), BODY), Picture((-1, 1), (0, 1), BODY)
     return BoxLayers(*[textures.add(picture) for picture in (*sides, front, rear, top)])
 
 
 def _cargo_layers(textures: TextureSet, s: HeavyShape, front_m: float, rng: np.random.Generator) -> BoxLayers:
     ground = Ink(_CARGO_COLORS[int(rng.integers(len(_CARGO_COLORS)))], rough=0.5)
-    shade = Ink(tuple(c * 0.86 for c in ground.rgb), rough=0.5)
+    shade = Ink(rgb_of(np.array(ground.rgb) * 0.86), rough=0.5)
     letters = Ink((30, 60, 150) if sum(ground.rgb) > 500 else (240, 240, 236), rough=0.5)
     name = str(rng.choice(["LOGISTICS", "FRESH FOOD", "MOVERS", "PARCELS", ""]))
     rear_m, z_m = -s.length_m / 2, (s.floor_m + 0.42, s.height_m)
@@ -205,7 +210,7 @@ def _cargo_layers(textures: TextureSet, s: HeavyShape, front_m: float, rng: np.r
         side.text(name, (start_m, middle_m), 0.5, letters)
         side.rectangle((rear_m, front_m), (z_m[0], z_m[0] + 0.10), _SEAM)
         for x in np.arange(rear_m + 0.4, front_m, 1.6):
-            side.rectangle((x, x + 0.14), (z_m[0] + 0.02, z_m[0] + 0.08), Ink((235, 150, 30), rough=0.2))
+            side.rectangle((x, x + 0.14), (z_m[0] + 0.02, z_m[0] + 0.08), _INDICATOR)
     w = s.width_m
     rear = Picture((-w / 2, w / 2), z_m, ground)
     rear.line([(0, z_m[0]), (0, z_m[1])], 2, _SEAM)
@@ -249,6 +254,10 @@ def _open_bed(s: HeavyShape, front_m: float) -> list[Mesh]:
         wall = sorted((sign * (half_m - 0.06), sign * (half_m - 0.14)))
         parts.append(box((rear_m, wall[0], low_m), (front_m, wall[1], top_m), _PAINTED))
         rib = sorted((sign * half_m, sign * (half_m - 0.08)))
-        for x in np.arange(rear_m + 0.2, front_m - 0.1, 0.85):
-            parts.append(box((x, rib[0], low_m), (x + 0.1, rib[1], top_m), _PAINTED))
+        places = np.arange(rear_m + 0.2, front_m - 0.1, 0.85)
+        parts += [box((x, rib[0], low_m), (x + 0.1, rib[1], top_m), _PAINTED) for x in places]
     return parts
+
+
+def _round(radius_m: float) -> tuple[float, float]:
+    return radius_m, radius_m

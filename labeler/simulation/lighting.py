@@ -34,9 +34,7 @@ class Lighting:
     def sun_direction(self) -> NDArray[np.float64]:
         """(3,) unit vector to the sun."""
         flat = np.cos(self.elevation_rad)
-        return np.array(
-            [flat * np.cos(self.azimuth_rad), flat * np.sin(self.azimuth_rad), np.sin(self.elevation_rad)]
-        )
+        return np.array([flat * np.cos(self.azimuth_rad), flat * np.sin(self.azimuth_rad), np.sin(self.elevation_rad)])
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ import numpy as np
 
 from labeler.simulation.materials import Material
 from labeler.simulation.meshes import Mesh, Surface, box, cylinder, ellipsoid, join
+from labeler.simulation.textures import rgb_of
 from labeler.simulation.wheels import wheel
 
 _DARK = Surface((0.02, 0.02, 0.022), rough=0.7)
@@ -69,9 +70,9 @@ def _scooter_body(radius_m: float) -> list[Mesh]:
 def _rider(rng: np.random.Generator, detail: int) -> list[Mesh]:
     """A person sitting upright with hands on the bar, helmet on."""
     sides = (10, 8, 6)[detail]
-    jacket = Surface(tuple(float(c) for c in rng.uniform(0.02, 0.5, size=3)), rough=0.85)
-    trousers = Surface(tuple(float(c) for c in rng.uniform(0.02, 0.12, size=3)), rough=0.9)
-    helmet = Surface(tuple(float(c) for c in rng.uniform(0.03, 0.8, size=3)), rough=0.2)
+    jacket = Surface(rgb_of(rng.uniform(0.02, 0.5, size=3)), rough=0.85)
+    trousers = Surface(rgb_of(rng.uniform(0.02, 0.12, size=3)), rough=0.9)
+    helmet = Surface(rgb_of(rng.uniform(0.03, 0.8, size=3)), rough=0.2)
     visor = Surface((0.01, 0.012, 0.015), Material.GLASS, rough=0.06, glass=1.0)
     parts = [
         cylinder((-0.28, 0, 0.84), (-0.12, 0, 1.36), 0.17, jacket, end_radius_m=0.20, sides=sides),

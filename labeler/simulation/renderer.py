@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from labeler.geometry.se3 import invert_se3
 from labeler.simulation import shaders
-from labeler.simulation.graphics import Drawable, instance_row, open_context, set_uniforms
+from labeler.simulation.graphics import Drawable, Uniform, instance_row, open_context, set_uniforms
 from labeler.simulation.layout import Approach, JunctionId
 from labeler.simulation.lighting import Lighting
 from labeler.simulation.materials import Material
@@ -38,8 +38,9 @@ SignalState = Literal["green", "yellow", "red", "off"]
 SignalStates = Mapping[tuple[JunctionId, Approach], SignalState]
 """What each approach's signal shows; approaches that are left out show red."""
 
-_DETAIL_UNTIL_M = (16.0, 45.0)
-_PROPS_UNTIL_M = 260.0
+_DETAIL_UNTIL_M = (15.0, 40.0)
+_PROP_DETAIL_UNTIL_M = (38.0,)
+_SEEN_UNTIL_M = 260.0
 _SHADOW_PX = (2048, 1536)
 _SHADOW_REACH_M = (42.0, 150.0)
 _SAMPLES = 4
@@ -51,6 +52,7 @@ _STILL = instance_row(np.eye(4))[None]
 _DEPTH_TEST, _BLEND = 2, 1  # moderngl's flags, whose module is loaded only when a context is opened
 _LINEAR, _LINEAR_MIPMAP_LINEAR = 0x2601, 0x2703
 _MULTIPLY = (0x0306, 0x0000)  # what is there times what is drawn, and nothing added
+
 
 @dataclass(frozen=True, eq=False)
 class CameraView:
@@ -94,12 +96,14 @@ class _Static:
 
 @dataclass(frozen=True, eq=False)
 class _Placed:
-    """Copies of one mesh with levels of detail: (N, 16) rows and (N, 3) centres."""
+    """Copies of one mesh with levels of detail, each used up to a distance of ``until_m``: (N, 16) rows, (N, 3) centres
+    and (N,) radii."""
 
     details: tuple[Drawable, ...]
     rows: NDArray[np.float32]
     center_m: NDArray[np.float64]
     radius_m: NDArray[np.float64]
+    until_m: tuple[float, ...]
 
 
 class Renderer:
@@ -132,9 +136,7 @@ class Renderer:
         self._id_canvas = context.framebuffer([self._id_texture], self._depth_texture)
         corners = context.buffer(np.array([-1, -1, 3, -1, -1, 3], dtype=np.float32).tobytes())
         self._sky = context.vertex_array(self._programs["sky"], [(corners, "2f", "in_corner")])
-        self._statics = [
-            _Static(Drawable(context, p.mesh), p.is_ground, p.center_m, p.radius_m) for p in world.pieces
-        ]
+        self._statics = [_Static(Drawable(context, p.mesh), p.is_ground, p.center_m, p.radius_m) for p in world.pieces]
         self._props = self._place_props()
         self._models = {
             name: tuple(Drawable(context, mesh) for mesh in model.details) for name, model in world.models.items()
@@ -151,7 +153,7 @@ class Renderer:
         shadowed = self._place_vehicles(instances)
         visible = [*self._place_vehicles([i for i in instances if i.visible]), self._place_lamps(signal_states)]
         suns = self._draw_shadows([*shadowed, *self._props], middle, lighting)
-        common = {
+        common: dict[str, Uniform] = {
             "near_sun": suns[0], "far_sun": suns[1], "colors": 0, "surfaces": 1, "near_shadow": 2, "far_shadow": 3,
             "noise": 4, "sun_direction": lighting.sun_direction, "sun": lighting.sun, "zenith": lighting.zenith,
             "horizon": lighting.horizon, "above": lighting.above, "below": lighting.below, "haze": lighting.haze_per_m,
@@ -160,14 +162,22 @@ class Renderer:
         return [self._render_view(view, visible, instances, common) for view in views]
 
     def _render_view(
-        self, view: CameraView, vehicles: list[_Placed], instances: Sequence[VehicleInstance], common: dict[str, Any]
+        self,
+        view: CameraView,
+        vehicles: list[_Placed],
+        instances: Sequence[VehicleInstance],
+        common: dict[str, Uniform],
     ) -> Rendering:
         eye = view.world_SE3_camera[:3, 3]
-        projection = camera_projection(view.intrinsics, *self._size_px) @ invert_se3(view.world_SE3_camera)
+        camera_SE3_world = invert_se3(view.world_SE3_camera)
+        projection = camera_projection(view.intrinsics, *self._size_px) @ camera_SE3_world
         planes = frustum_planes(projection)
-        uniforms = {
-            **common, "view_projection": projection, "inverse_view_projection": np.linalg.inv(projection), "eye": eye
-        }  # fmt: skip
+        uniforms: dict[str, Uniform] = {
+            **common,
+            "view_projection": projection,
+            "inverse_view_projection": np.linalg.inv(projection),
+            "eye": eye,
+        }
         for program in self._programs.values():
             set_uniforms(program, uniforms)
         for unit, texture in enumerate((*self._textures, self._shadows[0][0], self._shadows[1][0], self._noise)):
@@ -201,9 +211,7 @@ class Renderer:
         context.enable_only(_DEPTH_TEST | _BLEND)
         context.blend_func = _MULTIPLY
         for instance in instances:
-            self._contacts[instance.model].draw(
-                programs["contact"], instance_row(instance.world_SE3_vehicle)[None]
-            )
+            self._contacts[instance.model].draw(programs["contact"], instance_row(instance.world_SE3_vehicle)[None])
         context.enable_only(_DEPTH_TEST)
         self._sky.render()
         self._canvas.depth_mask = True
@@ -263,6 +271,7 @@ class Renderer:
                 np.stack([instance_row(i.world_SE3_vehicle, i.paint, i.instance_id) for i in group]),
                 np.stack([i.world_SE3_vehicle[:3, 3] for i in group]),
                 np.full(len(group), float(np.linalg.norm(self._world.models[name].size_m))),
+                _DETAIL_UNTIL_M,
             )
             for name, group in sorted(groups.items())
         ]
@@ -278,7 +287,7 @@ class Renderer:
                 rows.append(instance_row(matrix, _LAMP_GLOW[color] if color == state else _LAMP_DARK[color]))
                 centers.append(place_m)
         rows_array = np.stack(rows) if rows else np.empty((0, 16), dtype=np.float32)
-        return _Placed((self._lamp_disc,), rows_array, np.array(centers).reshape(-1, 3), np.full(len(rows), 0.2))
+        return _Placed((self._lamp_disc,), rows_array, np.array(centers).reshape(-1, 3), np.full(len(rows), 0.2), ())
 
     def _place_props(self) -> list[_Placed]:
         placed: list[_Placed] = []
@@ -286,14 +295,15 @@ class Renderer:
             props = [prop for prop in self._world.props if prop.model == name]
             if not props:
                 continue
-            low, high = model.mesh.bounds_m
+            low, high = model.details[0].bounds_m
             reach = float(np.linalg.norm(np.maximum(np.abs(low), np.abs(high))))
             placed.append(
                 _Placed(
-                    (Drawable(self._context, model.mesh),),
+                    tuple(Drawable(self._context, mesh) for mesh in model.details),
                     np.stack([instance_row(prop.matrix) for prop in props]),
                     np.array([prop.position_m for prop in props]),
                     np.array([reach * prop.scale for prop in props]),
+                    _PROP_DETAIL_UNTIL_M,
                 )
             )
         return placed
@@ -328,8 +338,8 @@ def _seen(
 ) -> list[tuple[Drawable, NDArray[np.float32]]]:
     """Those of a group that a camera may see, by level of detail."""
     distance_m = np.linalg.norm(group.center_m - eye, axis=1)
-    visible = in_frustum(planes, group.center_m, group.radius_m) & (distance_m < _PROPS_UNTIL_M)
-    detail = np.minimum(np.searchsorted(_DETAIL_UNTIL_M, distance_m), len(group.details) - 1)
+    visible = in_frustum(planes, group.center_m, group.radius_m) & (distance_m < _SEEN_UNTIL_M)
+    detail = np.minimum(np.searchsorted(np.array(group.until_m), distance_m), len(group.details) - 1)
     batches = [(drawable, group.rows[visible & (detail == level)]) for level, drawable in enumerate(group.details)]
     return [(drawable, rows) for drawable, rows in batches if len(rows)]
 

@@ -39,7 +39,7 @@ void cut_holes() {
 
 DEPTH = _VARYINGS + _HOLES + "void main() { cut_holes(); }"
 
-IDENTITY = _VARYINGS + _HOLES + "out uint identity; void main() { cut_holes(); identity = uint(paint_id.w + 0.5); }"
+IDENTITY = _VARYINGS + _HOLES + "out uint identity; void main() { cut_holes(); identity = uint(paint_id.w); }"
 
 _SKY_FUNCTIONS = """
 uniform vec3 eye; uniform vec3 sun_direction; uniform vec3 sun; uniform vec3 zenith; uniform vec3 horizon;
@@ -65,20 +65,22 @@ vec3 surroundings(vec3 d, float rough) {
   vec4 n = textureLod(noise, vec2(turn * 2.0, 0.3), 4.0);
   float roofs = 0.06 + 0.34 * n.r;
   vec3 houses = mix(below, above, 0.35) * mix(0.35, 0.9, n.b);
-  vec3 c = mix(houses, sky(normalize(vec3(d.xy, max(d.z, 0.02)))), smoothstep(roofs - 0.02 - rough * 0.5, roofs + 0.02 + rough * 0.5, d.z));
-  return mix(below * 0.8, c, smoothstep(-0.02 - rough * 0.5, 0.02 + rough * 0.5, d.z));
+  float soft = 0.02 + rough * 0.5;
+  vec3 open_sky = sky(normalize(vec3(d.xy, max(d.z, 0.02))));
+  vec3 c = mix(houses, open_sky, smoothstep(roofs - soft, roofs + soft, d.z));
+  return mix(below * 0.8, c, smoothstep(-soft, soft, d.z));
 }
 float sunlit(vec3 p, vec3 n) {
   vec3 q = (near_sun * vec4(p + n * 0.05, 1.0)).xyz * 0.5 + 0.5;
   if (all(greaterThan(q.xy, vec2(0.01))) && all(lessThan(q.xy, vec2(0.99)))) {
     vec2 t = 0.75 / vec2(textureSize(near_shadow, 0));
-    q.z -= 0.0006;
-    return 0.25 * (texture(near_shadow, vec3(q.xy + vec2(-t.x, -t.y), q.z)) + texture(near_shadow, vec3(q.xy + vec2(t.x, -t.y), q.z))
-                 + texture(near_shadow, vec3(q.xy + vec2(-t.x, t.y), q.z)) + texture(near_shadow, vec3(q.xy + vec2(t.x, t.y), q.z)));
+    float z = q.z - 0.0006;
+    return 0.25 * (texture(near_shadow, vec3(q.xy - t, z)) + texture(near_shadow, vec3(q.x + t.x, q.y - t.y, z))
+                 + texture(near_shadow, vec3(q.xy + t, z)) + texture(near_shadow, vec3(q.x - t.x, q.y + t.y, z)));
   }
   q = (far_sun * vec4(p + n * 0.2, 1.0)).xyz * 0.5 + 0.5;
-  if (all(greaterThan(q, vec3(0.0))) && all(lessThan(q, vec3(1.0)))) return texture(far_shadow, vec3(q.xy, q.z - 0.0012));
-  return 1.0;
+  bool covered = all(greaterThan(q, vec3(0.0))) && all(lessThan(q, vec3(1.0)));
+  return covered ? texture(far_shadow, vec3(q.xy, q.z - 0.0012)) : 1.0;
 }
 vec3 lit(vec3 p, vec3 n, vec3 albedo, float metal, float rough, float glass, float open) {
   vec3 v = normalize(eye - p);
@@ -92,7 +94,8 @@ vec3 lit(vec3 p, vec3 n, vec3 albedo, float metal, float rough, float glass, flo
   float masking = 0.25 / ((nv * (1.0 - k) + k) * (max(nl, 0.02) * (1.0 - k) + k));
   vec3 fresnel = f0 + (1.0 - f0) * pow(1.0 - vh, 5.0);
   vec3 c = vec3(0.0);
-  if (nl > 0.0) c = (albedo * (1.0 - metal) * (1.0 - fresnel) * 0.43 + fresnel * facets * masking) * sun * nl * sunlit(p, n);
+  vec3 diffuse = albedo * (1.0 - metal) * (1.0 - fresnel) * 0.43;
+  if (nl > 0.0) c = (diffuse + fresnel * facets * masking) * sun * nl * sunlit(p, n);
   c += albedo * (1.0 - metal) * mix(below, above, n.z * 0.5 + 0.5) * open;
   if (rough < 0.7) {
     vec3 mirrored = f0 + (max(vec3(1.0 - rough), f0) - f0) * pow(1.0 - nv, 5.0);
@@ -102,7 +105,11 @@ vec3 lit(vec3 p, vec3 n, vec3 albedo, float metal, float rough, float glass, flo
 }
 """
 
-STANDING = _VARYINGS + _SKY_FUNCTIONS + _LIGHT + """
+STANDING = (
+    _VARYINGS
+    + _SKY_FUNCTIONS
+    + _LIGHT
+    + """
 uniform sampler2DArray colors; uniform sampler2DArray surfaces;
 out vec4 pixel;
 void main() {
@@ -124,20 +131,25 @@ void main() {
   pixel = vec4(developed(lit(world, n, albedo, metal, clamp(rough, 0.06, 1.0), glass, open)), 1.0);
 }
 """
+)
 
-GROUND = _VARYINGS + _SKY_FUNCTIONS + _LIGHT + """
+GROUND = (
+    _VARYINGS
+    + _SKY_FUNCTIONS
+    + _LIGHT
+    + """
 out vec4 pixel;
 void main() {
   vec2 p = world.xy;
-  vec4 broad = texture(noise, p / 37.0), fine = texture(noise, p / 5.3 + broad.rg * 0.15);
+  vec4 broad = texture(noise, p / 37.0), fine = texture(noise, p / 7.9);
   float near = exp(-length(eye - world) / 22.0);
   vec3 albedo = color;
   if (shading < 5.5) {
-    albedo *= 0.62 + 0.45 * broad.r + 0.32 * fine.g;
+    albedo *= 0.66 + 0.34 * broad.r + 0.26 * fine.r + 0.14 * fine.g;
     float wheel = abs(mod(abs(uv.x), 3.5) - 1.75) - 0.75;
     if (abs(uv.x) < 7.2) albedo *= 1.0 - 0.15 * exp(-wheel * wheel / 0.10);
-    float crack = 1.0 - smoothstep(0.0, 0.016, abs(texture(noise, p / 29.0 + 0.37).b - 0.5));
-    albedo *= 1.0 - 0.45 * crack * near;
+    float crack = 1.0 - smoothstep(0.0, 0.010, abs(texture(noise, p / 61.0 + 0.37).b - 0.5));
+    albedo *= 1.0 - 0.40 * crack * near * smoothstep(0.45, 0.62, broad.r);
     float patchwork = step(0.80, texture(noise, floor(p / vec2(3.1, 4.7)) * 0.137).a);
     albedo *= 1.0 - 0.10 * patchwork;
   } else if (shading < 6.5) {
@@ -155,8 +167,11 @@ void main() {
   pixel = vec4(developed(lit(world, normalize(normal), albedo, 0.0, 0.9, 0.0, 1.0)), 1.0);
 }
 """
+)
 
-CONTACT = _VARYINGS + """
+CONTACT = (
+    _VARYINGS
+    + """
 out vec4 pixel;
 void main() {
   vec2 q = abs(uv) - surface.xy;
@@ -164,6 +179,7 @@ void main() {
   pixel = vec4(vec3(1.0 - 0.62 * (1.0 - smoothstep(-0.45, 0.55, away))), 1.0);
 }
 """
+)
 
 SKY_VERTEX = """
 #version 330 core
@@ -171,11 +187,14 @@ in vec2 in_corner; out vec2 corner;
 void main() { corner = in_corner; gl_Position = vec4(in_corner, 1.0, 1.0); }
 """
 
-SKY = """
+SKY = (
+    """
 #version 330 core
 in vec2 corner;
 uniform mat4 inverse_view_projection;
-""" + _SKY_FUNCTIONS + """
+"""
+    + _SKY_FUNCTIONS
+    + """
 out vec4 pixel;
 void main() {
   vec4 far = inverse_view_projection * vec4(corner, 1.0, 1.0);
@@ -192,3 +211,4 @@ void main() {
   pixel = vec4(developed(c), 1.0);
 }
 """
+)

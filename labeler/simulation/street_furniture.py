@@ -76,7 +76,8 @@ def furniture_mesh(kind: FurnitureKind) -> Mesh:
         back = box((-0.24, -0.9, 0.50), (-0.19, 0.9, 0.88), wood)
         return join([*legs, box((-0.22, -0.9, 0.40), (0.24, 0.9, 0.46), wood), back])
     if kind == "bin":
-        return join([cylinder((0, 0, 0.05), (0, 0, 0.85), 0.24, green), cylinder((0, 0, 0.85), (0, 0, 0.95), 0.27, _POST)])
+        lid = cylinder((0, 0, 0.85), (0, 0, 0.95), 0.27, _POST)
+        return join([cylinder((0, 0, 0.05), (0, 0, 0.85), 0.24, green), lid])
     if kind == "hydrant":
         return join([
             cylinder((0, 0, 0), (0, 0, 0.62), 0.11, red, sides=10),

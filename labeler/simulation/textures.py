@@ -70,21 +70,33 @@ class Picture:
         width = width_px * _SUPERSAMPLING
         cv2.polylines(self.color, points, False, _color(ink), width, cv2.LINE_AA, _SHIFT)
 
-    def text(self, words: str, at_m: tuple[float, float], height_m: float, ink: Ink) -> None:
-        """Words whose capitals are ``height_m`` high, from their lower left corner. They read rightly when the ranges
-        of the picture run forwards."""
-        left, base = self._pixels([at_m])[0] >> _SHIFT
-        tall_px = abs(height_m / (self._z_m[1] - self._z_m[0])) * self.color.shape[0]
-        thick_px = max(1, round(tall_px / 7))
-        place, scale = (int(left), int(base)), tall_px / 21.0  # OpenCV's capitals are 21 px high at scale 1
-        cv2.putText(self.color, words, place, cv2.FONT_HERSHEY_SIMPLEX, scale, _color(ink), thick_px, cv2.LINE_AA)
+    def text(self, words: str, at_m: tuple[float, float], height_m: float, ink: Ink, *, broader: float = 1.0) -> None:
+        """Words whose capitals are ``height_m`` high, from their lower left corner, ``broader`` than they usually are.
+        They read rightly, however the picture is stretched and whichever way its ranges run."""
+        if not words:
+            return
+        (wide, tall), _ = cv2.getTextSize(words, cv2.FONT_HERSHEY_SIMPLEX, 2.0, 6)
+        stencil = np.zeros((tall + 12, wide + 8), dtype=np.uint8)
+        cv2.putText(stencil, words, (4, tall + 4), cv2.FONT_HERSHEY_SIMPLEX, 2.0, 255, 6, cv2.LINE_AA)
+        size_px = self.color.shape[0]
+        per_x_px = size_px / abs(self._x_m[1] - self._x_m[0])
+        per_z_px = size_px / abs(self._z_m[1] - self._z_m[0])
+        left, base = (int(value) for value in self._pixels([at_m])[0] >> _SHIFT)
+        high = max(2, round(height_m * per_z_px * stencil.shape[0] / tall))
+        broad = max(2, round(height_m / tall * stencil.shape[1] * per_x_px * broader))
+        small = np.asarray(cv2.resize(stencil, (broad, high), interpolation=cv2.INTER_AREA), dtype=np.float64) / 255
+        rows, columns = slice(max(0, base - high), base), slice(left, min(size_px, left + broad))
+        cover = small[high - (rows.stop - rows.start) :, : columns.stop - columns.start, None]
+        for image, value in ((self.color, _color(ink)), (self.surface, _surface(ink))):
+            image[rows, columns] = np.round(image[rows, columns] * (1 - cover) + np.array(value) * cover)
 
     def _pixels(self, points_m: ArrayLike) -> NDArray[np.int32]:
         points = np.asarray(points_m, dtype=np.float64)
         size_px = self.color.shape[0]
         x = (points[:, 0] - self._x_m[0]) / (self._x_m[1] - self._x_m[0])
         z = (points[:, 1] - self._z_m[0]) / (self._z_m[1] - self._z_m[0])
-        return np.round(np.stack([x, 1 - z], axis=1) * size_px * (1 << _SHIFT)).astype(np.int32)
+        places = np.stack([x, 1 - z], axis=1) * (size_px << _SHIFT)
+        return np.asarray(np.round(places), dtype=np.int32)
 
 
 @dataclass
@@ -118,6 +130,12 @@ class TextureSet:
     def surface(self) -> Sequence[NDArray[np.uint8]]:
         """(LAYER_PX, LAYER_PX, 3) each"""
         return self._surface
+
+
+def rgb_of(values: ArrayLike) -> tuple[float, float, float]:
+    """Three numbers as a colour."""
+    red, green, blue = (float(value) for value in np.asarray(values, dtype=np.float64))
+    return red, green, blue
 
 
 def tileable_noise(rng: np.random.Generator, size_px: int, cells: Sequence[int]) -> NDArray[np.float64]:

@@ -15,11 +15,12 @@ _WOOD = Surface((0.10, 0.07, 0.05), Material.WOOD, rough=0.95)
 
 @dataclass(frozen=True)
 class TreeModel:
-    """A tree of height 1 m, to be scaled. ``mesh`` is what one sees, ``solid`` what a LiDAR hits."""
+    """A tree of height 1 m, to be scaled. ``details`` are what one sees from near and from far, ``solid`` is what a
+    LiDAR hits."""
 
     name: str
     kind: TreeKind
-    mesh: Mesh
+    details: tuple[Mesh, Mesh]
     solid: Mesh
 
 
@@ -30,8 +31,10 @@ def tree_models(textures: TextureSet, rng: np.random.Generator) -> tuple[TreeMod
     for kind in kinds:
         for number in range(_SPECIES):
             layer = _draw_leaves(textures, rng)
-            solid, cards = _bush(rng, layer) if kind == "bush" else _tree(rng, layer, kind)
-            models.append(TreeModel(f"{kind}-{number}", kind, join([*solid, *cards]), join(solid)))
+            look = int(rng.integers(1 << 16))
+            near, far = (_parts(np.random.default_rng(look), layer, kind, fine=fine) for fine in (True, False))
+            details = (join([*near[0], *near[1]]), join([*far[0], *far[1]]))
+            models.append(TreeModel(f"{kind}-{number}", kind, details, join(near[0])))
     return tuple(models)
 
 
@@ -43,47 +46,58 @@ def _draw_leaves(textures: TextureSet, rng: np.random.Generator) -> int:
         out, angle = 0.95 * float(np.sqrt(rng.random())), float(rng.uniform(0, 2 * np.pi))
         center = np.array([out * np.cos(angle), out * np.sin(angle)])
         turn, shade = float(rng.uniform(0, np.pi)), float(rng.uniform(0.5, 1.35))
-        along, across = np.array([np.cos(turn), np.sin(turn)]), np.array([-np.sin(turn), np.cos(turn)])
+        along = np.array([np.cos(turn), np.sin(turn)])
+        across = np.array([-along[1], along[0]])
         r, g, b = np.clip(green * shade, 0, 255)
         tip = [center + along * 0.09, center + across * 0.035, center - along * 0.09, center - across * 0.035]
         leaves.polygon(tip, Ink((float(r), float(g), float(b)), paint=1.0))
     return textures.add(leaves)
 
 
-def _tree(rng: np.random.Generator, layer: int, kind: TreeKind) -> tuple[list[Mesh], list[Mesh]]:
+def _parts(rng: np.random.Generator, layer: int, kind: TreeKind, *, fine: bool) -> tuple[list[Mesh], list[Mesh]]:
     """Solid parts and cards of a tree of height 1."""
+    return _bush(rng, layer, fine=fine) if kind == "bush" else _tree(rng, layer, kind, fine=fine)
+
+
+def _tree(rng: np.random.Generator, layer: int, kind: TreeKind, *, fine: bool) -> tuple[list[Mesh], list[Mesh]]:
     trunk, crown = (0.42, 0.30) if kind == "street" else (0.30, 0.33)
     slim = float(rng.uniform(0.75, 1.0))
     lean = rng.normal(0, 0.01, size=2)
-    solid = [cylinder((0, 0, 0), (lean[0], lean[1], trunk + 0.25), 0.024, _WOOD, end_radius_m=0.012, sides=7)]
+    solid = [
+        cylinder((0, 0, 0), (lean[0], lean[1], trunk + 0.25), 0.024, _WOOD, end_radius_m=0.012, sides=7 if fine else 4)
+    ]
     middle = np.array([lean[0], lean[1], 1.0 - crown * 0.92])
-    for k in range(5):
+    for k in range(5 if fine else 3):
         out = _direction(rng) * (0.0 if k == 0 else 0.48 * crown) * (slim, slim, 0.8)
         size = crown * (0.72 if k == 0 else float(rng.uniform(0.42, 0.56)))
-        solid.append(_cluster(rng, middle + out, np.array([size * slim, size * slim, size * 0.92]), layer))
-    cards = [_card(rng, middle, crown * np.array([slim, slim, 1.0]), 0.42 * crown, layer) for _ in range(26)]
+        solid.append(_cluster(rng, middle + out, np.array([size * slim, size * slim, size * 0.92]), layer, fine=fine))
+    reach = crown * np.array([slim, slim, 1.0])
+    cards = [_card(rng, middle, reach, 0.42 * crown, layer) for _ in range(26 if fine else 7)]
     return solid, cards
 
 
-def _bush(rng: np.random.Generator, layer: int) -> tuple[list[Mesh], list[Mesh]]:
+def _bush(rng: np.random.Generator, layer: int, *, fine: bool) -> tuple[list[Mesh], list[Mesh]]:
     middle = np.array([0.0, 0.0, 0.45])
     solid = [
-        _cluster(rng, middle + rng.uniform(-0.25, 0.25, size=3) * (1, 1, 0.3), np.array([0.42, 0.42, 0.46]), layer)
-        for _ in range(3)
+        _cluster(
+            rng, middle + rng.uniform(-0.25, 0.25, size=3) * (1, 1, 0.3), np.array([0.42, 0.42, 0.46]), layer, fine=fine
+        )
+        for _ in range(3 if fine else 1)
     ]
-    cards = [_card(rng, middle, np.array([0.55, 0.55, 0.42]), 0.25, layer) for _ in range(12)]
+    cards = [_card(rng, middle, np.array([0.55, 0.55, 0.42]), 0.25, layer) for _ in range(12 if fine else 3)]
     return solid, cards
 
 
 def _cluster(
     rng: np.random.Generator, center: np.ndarray[tuple[int], np.dtype[np.float64]],
-    radii: np.ndarray[tuple[int], np.dtype[np.float64]], layer: int,
+    radii: np.ndarray[tuple[int], np.dtype[np.float64]], layer: int, *, fine: bool,
 ) -> Mesh:  # fmt: skip
     """A bumpy ball of leaves."""
     surface = Surface((0.62, 0.62, 0.62), Material.FOLIAGE, rough=0.95, layer=layer)
-    ball = ellipsoid((0, 0, 0), (1, 1, 1), surface, rings=6, sides=9)
+    ball = ellipsoid((0, 0, 0), (1, 1, 1), surface, rings=6 if fine else 4, sides=9 if fine else 6)
     unit = ball.position_m.astype(np.float64)
-    bump = 1 + 0.16 * np.sin(unit @ rng.normal(0, 3.5, size=3) + rng.uniform(0, 6)) * np.sin(unit @ rng.normal(0, 3.5, size=3))
+    waves = np.sin(unit @ rng.normal(0, 3.5, size=(3, 2)) + rng.uniform(0, 6, size=2))
+    bump = 1 + 0.16 * waves[:, 0] * waves[:, 1]
     position = center + unit * bump[:, None] * radii
     normal = smooth_normals(unit * bump[:, None] * radii, ball.faces)
     flat = np.linalg.norm(normal, axis=1) < 0.5
@@ -100,7 +114,7 @@ def _card(
     center = middle + out * crown * float(rng.uniform(0.55, 0.85))
     across = np.cross(out, _direction(rng))
     across /= np.linalg.norm(across)
-    up = np.cross(out, across) + out * float(rng.uniform(-0.6, 0.6))
+    up = np.cross(out, across) + out * float(rng.uniform(-0.3, 0.3))
     up /= np.linalg.norm(up)
     corners = np.array([center + size * (a * across + b * up) for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))])
     normal = (corners - middle) / np.linalg.norm(corners - middle, axis=1, keepdims=True)

@@ -22,15 +22,8 @@ def draw_rim(textures: TextureSet, spokes: int, *, steel: bool = False) -> int:
         if steel:
             rim.ellipse((float(out[0]) * 0.55, float(out[1]) * 0.55), (0.12, 0.12), dark)
         else:
-            rim.polygon(
-                [
-                    out * 0.1 + across * 0.15,
-                    out * 0.9 + across * 0.11,
-                    out * 0.9 - across * 0.11,
-                    out * 0.1 - across * 0.15,
-                ],
-                bright,
-            )
+            root, end = out * 0.1, out * 0.9
+            rim.polygon([root + across * 0.15, end + across * 0.11, end - across * 0.11, root - across * 0.15], bright)
     rim.ellipse((0, 0), (0.24, 0.24), bright)
     rim.ellipse((0, 0), (0.12, 0.12), dark)
     return textures.add(rim)
@@ -43,6 +36,8 @@ def wheel(radius_m: float, width_m: float, rim_layer: int, *, sides: int = 20) -
         (inner_m, -half_m * 0.86), (inner_m, -half_m), (0.92 * radius_m, -half_m), (radius_m, -0.72 * half_m),
         (radius_m, 0.72 * half_m), (0.92 * radius_m, half_m), (inner_m, half_m), (inner_m, half_m * 0.86),
     ]  # fmt: skip
+    if sides <= 8:
+        outline = [outline[k] for k in (0, 1, 3, 4, 6, 7)]
     angle = np.arange(sides) / sides * 2 * np.pi
     position = np.concatenate(
         [np.stack([r * np.cos(angle), np.full(sides, y), r * np.sin(angle)], axis=1) for r, y in outline]

@@ -56,9 +56,9 @@ class Prop:
 
 @dataclass(frozen=True)
 class PropModel:
-    """``mesh`` is what one sees, ``solid`` what a LiDAR hits."""
+    """``details`` are what one sees from near to far, ``solid`` is what a LiDAR hits."""
 
-    mesh: Mesh
+    details: tuple[Mesh, ...]
     solid: Mesh
 
 
@@ -86,9 +86,9 @@ class SimulatedWorld:
         standing = [building_mesh(building, facades) for building in layout.buildings]
         standing += [signal_mesh(signal) for signal in layout.signals]
         pieces = [*_grouped(ground_pieces(layout), is_ground=True), *_grouped(standing, is_ground=False)]
-        prop_models = {tree.name: PropModel(tree.mesh, tree.solid) for tree in trees}
+        prop_models = {tree.name: PropModel(tree.details, tree.solid) for tree in trees}
         for name, mesh in {"lamp": lamp_mesh(), **_furniture_meshes(layout)}.items():
-            prop_models[name] = PropModel(mesh, mesh)
+            prop_models[name] = PropModel((mesh,), mesh)
         return cls(layout, textures, models, tuple(pieces), prop_models, tuple(_props(layout, trees)))
 
     def static_triangles(self) -> tuple[NDArray[np.float64], NDArray[np.int32], NDArray[np.uint8]]:
@@ -119,7 +119,7 @@ def _grouped(meshes: list[Mesh], *, is_ground: bool) -> list[Piece]:
 
 
 def _furniture_meshes(layout: TownLayout) -> dict[str, Mesh]:
-    return {kind: furniture_mesh(kind) for kind in sorted({item.kind for item in layout.furniture})}
+    return {item.kind: furniture_mesh(item.kind) for item in sorted(layout.furniture, key=lambda item: item.kind)}
 
 
 def _props(layout: TownLayout, trees: tuple[TreeModel, ...]) -> list[Prop]:
