@@ -8,7 +8,7 @@ import typer
 from rich.table import Table
 
 from app.commands.label import label_into_store
-from app.commands.options import AsJson, DriveFolder, SceneName, WorkspaceFolder
+from app.commands.options import AsJson, DriveFolder, InputSize, SceneName, WorkspaceFolder
 from app.commands.terminal import say, show_table
 from app.db.engine import migrate, open_engine
 from app.db.session import Store
@@ -32,6 +32,7 @@ def evaluate(
         Path | None,
         typer.Option("--model", "-m", help="Label with this model first, where that is not done.", show_default=False),
     ] = None,
+    input_size: InputSize = None,
     confidence: Annotated[float, typer.Option(min=0, max=1, help="Labels below it are not counted.")] = 0.8,
     max_distance: Annotated[
         float, typer.Option(min=0.1, help="Truth farther away than this, in metres, is neither hit nor miss.")
@@ -49,7 +50,7 @@ def evaluate(
     config = EvaluationConfig(confidence=confidence, max_distance_m=max_distance, classes=classes)
     if model is not None:
         with open_executor("processes") as executor:
-            label_into_store(settings, drive, scene=scene, input_size=None, executor=executor)
+            label_into_store(settings, drive, scene=scene, input_size=input_size, executor=executor)
     found = evaluate_drive(settings, drive, scene=scene, config=config)
     if report is not None:
         write_report(report, found)

@@ -1,8 +1,10 @@
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from labeler.drive import open_drive
 from labeler.drive.types import Truth, TruthBoxes2D, TruthBoxes3D
 from labeler.evaluation.truth import TruthTable, front_cameras, prepare_truth
 from labeler.evaluation.types import EvaluationConfig
@@ -109,6 +111,19 @@ def test_boxes_of_visible_parts():
 
 def test_without_boxes_in_images_there_is_no_table():
     assert prepare_truth(Truth(None, None), ("front",), EvaluationConfig()) is None
+
+
+@pytest.mark.real_drive
+def test_the_truth_of_a_real_drive(tri_scene_01: Path):
+    drive = open_drive(tri_scene_01)
+    truth = drive.read_truth(drive.frames)
+    assert truth is not None
+    table = prepare_truth(truth, [camera.name for camera in drive.cameras], EvaluationConfig())
+    assert table is not None
+    assert len(table) == 152 + 3  # cars and buses; four persons are left out
+    # its 2D boxes have no distance, its 3D boxes do: each object stands in both
+    assert np.isfinite(table.distance_m).all()
+    assert int(table.counted.sum()) == int((table.distance_m <= 80).sum()) == 122
 
 
 @pytest.mark.parametrize(
