@@ -36,7 +36,7 @@ def test_from_upload_to_export_on_the_made_drive(
 
     _step_through_frames(page, frames=12)
     _select_identity_in_a_picture(page)
-    expect(page.frame_locator("iframe").locator("canvas").first).to_be_visible(timeout=30_000)
+    expect(page.frame_locator("iframe").locator("canvas").first).to_be_visible()
 
     dataset = _export(page, tmp_path)
     assert {image["camera"] for image in dataset["images"]} == {"front", "left"}
@@ -64,7 +64,7 @@ def test_from_upload_to_export_on_a_recorded_drive(
     expect(page.get_by_text(f"Accepted {count}")).to_be_visible()
 
     _step_through_frames(page, frames=3)
-    expect(page.frame_locator("iframe").locator("canvas").first).to_be_visible(timeout=30_000)
+    expect(page.frame_locator("iframe").locator("canvas").first).to_be_visible()
     dataset = _export(page, tmp_path)
     assert len(dataset["images"]) == 9
     assert any(annotation["attributes"]["source"] == "propagated" for annotation in dataset["annotations"])
@@ -98,7 +98,7 @@ def _step_through_frames(page: Page, *, frames: int) -> None:
     expect(page.get_by_text(f"Frame 2 of {frames}")).to_be_visible()
     page.keyboard.press("Home")
     page.keyboard.press("Space")
-    expect(page.get_by_text(f"Frame {frames} of {frames}")).to_be_visible(timeout=30_000)
+    expect(page.get_by_text(f"Frame {frames} of {frames}")).to_be_visible()
 
 
 def _select_identity_in_a_picture(page: Page) -> None:
@@ -116,7 +116,7 @@ def _export(page: Page, folder: Path) -> dict[str, Any]:
     page.get_by_role("tab", name="Export").click()
     page.get_by_role("button", name="Export").click()
     link = page.get_by_role("link", name="Download")
-    expect(link).to_be_visible(timeout=30_000)
+    expect(link).to_be_visible()
     with page.expect_download() as download:
         link.click()
     path = folder / "dataset.json"
