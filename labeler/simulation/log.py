@@ -50,8 +50,7 @@ class SimulatedLog:
         self._partial = self._folder.with_name(f".{self._folder.name}.partial")
         self._parts = self._partial / "parts"
         self._jpeg_quality = jpeg_quality
-        if self._folder.exists():
-            raise SimulationError(f"{folder} is there already. Choose another folder, or delete it first.")
+        require_free(folder)
         text = json.dumps(about, indent=2) + "\n"
         with self._writing():
             known = self._partial / _ABOUT
@@ -164,6 +163,12 @@ class SimulatedLog:
                     f"No space is left for {self._folder}. Free some; the same command then goes on from here."
                 ) from error
             raise SimulationError(f"{self._folder} can't be written: {error}.") from error
+
+
+def require_free(folder: Path) -> None:
+    """SimulationError when there is something at ``folder`` already."""
+    if folder.exists():
+        raise SimulationError(f"{folder} is there already. Choose another folder, or delete it first.")
 
 
 def _annotations(timestamp_ns: int, targets: Sequence[Target], scan: Scan) -> pa.Table:

@@ -18,14 +18,17 @@ from numpy.typing import NDArray
 
 from labeler.geometry.se3 import invert_se3, se3
 from labeler.simulation.errors import SimulationError
+from labeler.simulation.graphics import open_context
 from labeler.simulation.lidar import LidarConfig, Motion, MovingSolid, Scan, scan
 from labeler.simulation.lighting import Lighting, lighting_of
-from labeler.simulation.log import SimulatedLog
+from labeler.simulation.log import SimulatedLog, require_free
 from labeler.simulation.materials import REFLECTIVITY, Material
 from labeler.simulation.meshes import Mesh
 from labeler.simulation.renderer import CameraView, Renderer, Rendering, VehicleInstance
 from labeler.simulation.rig import Rig
-from labeler.simulation.solids import Solid
+from labeler.simulation.solids import Solid, load_embree
+from labeler.simulation.sumo import sumo_home
+from labeler.simulation.towns import town_style
 from labeler.simulation.traffic import Placement, Traffic, TrafficConfig, TrafficFrame, simulate_traffic
 from labeler.simulation.truth import Target, TrueBox, boxes_in_image
 from labeler.simulation.vehicles import Paint
@@ -85,6 +88,10 @@ class SimulationConfig:
             )
         if not 1 <= self.jpeg_quality <= 100:
             raise SimulationError(f"The JPEG quality must lie between 1 and 100, not {self.jpeg_quality}.")
+        self.traffic()
+        self.lidar()
+        town_style(self.town)
+        lighting_of(self.seed, name=self.light)
 
     @property
     def period_ms(self) -> int:
@@ -107,18 +114,19 @@ def simulate_drive(folder: Path, config: SimulationConfig, progress: Progress) -
     SimulationError when a part of the extra ``simulation`` is missing, when there is no OpenGL, when the town has no
     room for the vehicles, or when ``folder`` can't be written. A drive that was stopped goes on when the same is asked
     for again."""
-    traffic_config, lidar_config = config.traffic(), config.lidar()
-    log = SimulatedLog(folder, _about(config), jpeg_quality=config.jpeg_quality)
+    require_free(folder)
+    _require_extra()
     progress.stage("Building the town", 1)
     world = SimulatedWorld.build(config.seed, town=config.town)
     progress.advance()
     with tempfile.TemporaryDirectory(prefix="hindsight-simulation-") as scratch:
         progress.stage("Letting traffic run", 1)
         models = tuple(world.models.values())
-        traffic = simulate_traffic(world.layout, models, traffic_config, Path(scratch))
+        traffic = simulate_traffic(world.layout, models, config.traffic(), Path(scratch))
         progress.advance()
+        log = SimulatedLog(folder, _about(config), jpeg_quality=config.jpeg_quality)
         progress.stage("Recording moments", sum(not log.has(config.timestamp_ns(k)) for k in range(config.frames)))
-        recorder = _Recorder(config, lidar_config, world, traffic)
+        recorder = _Recorder(config, world, traffic)
         log.write_calibration(recorder.rig)
         for frame in traffic.frames():
             if not log.has(config.timestamp_ns(frame.index)):
@@ -127,11 +135,18 @@ def simulate_drive(folder: Path, config: SimulationConfig, progress: Progress) -
     log.publish([config.timestamp_ns(index) for index in range(config.frames)])
 
 
+def _require_extra() -> None:
+    """SimulationError when a part of the extra ``simulation`` or OpenGL is missing, before the long work begins."""
+    sumo_home()
+    load_embree()
+    open_context().release()
+
+
 class _Recorder:
     """Records single moments of one drive."""
 
-    def __init__(self, config: SimulationConfig, lidar: LidarConfig, world: SimulatedWorld, traffic: Traffic) -> None:
-        self._config, self._lidar, self._traffic, self._models = config, lidar, traffic, world.models
+    def __init__(self, config: SimulationConfig, world: SimulatedWorld, traffic: Traffic) -> None:
+        self._config, self._lidar, self._traffic, self._models = config, config.lidar(), traffic, world.models
         ego = world.models[traffic.models[traffic.ego_id]]
         self.rig = Rig.on_roof(
             rear_axle_m=ego.rear_axle_m,

@@ -40,7 +40,7 @@ class Solid:
         sides_m = self.triangles_m[:, 1:] - self.triangles_m[:, :1]
         normals = np.cross(sides_m[:, 0], sides_m[:, 1]).astype(np.float64)
         self._normals = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
-        scenes, meshes = _embree()
+        scenes, meshes = load_embree()
         self._scene: Any = scenes.EmbreeScene()
         self._mesh: Any = meshes.TriangleMesh(self._scene, self.triangles_m) if len(self.triangles_m) else None
 
@@ -63,8 +63,8 @@ class Solid:
         )
 
 
-def _embree() -> tuple[Any, Any]:
-    """embreex's modules of scenes and of meshes."""
+def load_embree() -> tuple[Any, Any]:
+    """embreex's modules of scenes and of meshes. SimulationError when it is not installed."""
     try:
         return importlib.import_module("embreex.rtcore_scene"), importlib.import_module("embreex.mesh_construction")
     except ImportError as error:

@@ -17,7 +17,7 @@ def run_sumo(program: Literal["sumo", "netconvert"], options: Mapping[str, str])
     """Run a program of SUMO to its end. ``options`` are named without dashes.
 
     SimulationError when SUMO is not installed, can't be started, or ends with an error, with its own words."""
-    home = _sumo_home()
+    home = sumo_home()
     quiet = {"xml-validation": "never", "no-warnings": "true"}
     arguments = [word for name, value in (quiet | dict(options)).items() for word in (f"--{name}", value)]
     command = [str(home / "bin" / program), *arguments]
@@ -33,7 +33,7 @@ def run_sumo(program: Literal["sumo", "netconvert"], options: Mapping[str, str])
         raise SimulationError(f"SUMO's {program} ended with code {ended.returncode}: {said}")
 
 
-def _sumo_home() -> Path:
+def sumo_home() -> Path:
     """The folder of the installed package eclipse-sumo. SimulationError when it is not installed."""
     found = importlib.util.find_spec("sumo")
     places = list(found.submodule_search_locations or ()) if found is not None else []
