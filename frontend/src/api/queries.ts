@@ -1,8 +1,8 @@
 /** What the page reads from the server, with one key for each. */
 
-import { QueryClient, queryOptions } from "@tanstack/react-query";
+import { keepPreviousData, QueryClient, queryOptions } from "@tanstack/react-query";
 import { ApiError, api, unwrap } from "./client";
-import type { Drive } from "./types";
+import type { Drive, DriveDetail } from "./types";
 
 export const queryClient = new QueryClient({
   defaultOptions: {
@@ -61,4 +61,13 @@ export const mergesQuery = (id: number) =>
   queryOptions({
     queryKey: mergesKey(id),
     queryFn: ({ signal }) => unwrap(api.GET("/api/drives/{drive_id}/merges", { ...at(id), signal })),
+  });
+
+/** Counted anew by the server each time, in seconds for a long drive: so once for each revision of the labels. */
+export const evaluationQuery = ({ id, revision }: Pick<DriveDetail, "id" | "revision">) =>
+  queryOptions({
+    queryKey: ["drive", id, "evaluation", revision],
+    queryFn: ({ signal }) => unwrap(api.GET("/api/drives/{drive_id}/evaluation", { ...at(id), signal })),
+    staleTime: Number.POSITIVE_INFINITY,
+    placeholderData: keepPreviousData,
   });

@@ -14,3 +14,4 @@ export type MergeState = Merge["state"];
 export type MergeChange = Schemas["MergeChange"];
 export type Job = Schemas["Job"];
 export type Export = Schemas["Export"];
+export type Evaluation = Schemas["Evaluation"];

@@ -9,6 +9,9 @@ import { ConnectionBanner } from "./ConnectionBanner";
 import { CrashBoundary } from "./CrashBoundary";
 import { theme } from "./theme";
 
+const EvaluationPage = lazy(() =>
+  import("../evaluation/EvaluationPage").then((module) => ({ default: module.EvaluationPage })),
+);
 const ReviewPage = lazy(() => import("../review/ReviewPage").then((module) => ({ default: module.ReviewPage })));
 
 export function App() {
@@ -23,6 +26,13 @@ export function App() {
               {({ id }) => (
                 <Suspense fallback={null}>
                   {/^\d+$/.test(id) ? <ReviewPage key={id} driveId={Number(id)} /> : <NotFound />}
+                </Suspense>
+              )}
+            </Route>
+            <Route path="/drives/:id/evaluation">
+              {({ id }) => (
+                <Suspense fallback={null}>
+                  {/^\d+$/.test(id) ? <EvaluationPage key={id} driveId={Number(id)} /> : <NotFound />}
                 </Suspense>
               )}
             </Route>

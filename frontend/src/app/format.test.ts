@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { bytes, clock, duration, metres, plural, score, sentence } from "./format";
+import { bytes, clock, duration, metres, percent, plural, score, sentence } from "./format";
 
 describe("numbers", () => {
   it.each([
@@ -7,6 +7,9 @@ describe("numbers", () => {
     [plural(1200, "box", "boxes"), "1,200 boxes"],
     [score(0.9), "0.90"],
     [score(null), "–"],
+    [percent(0.19672), "19.7%"],
+    [percent(1), "100.0%"],
+    [percent(null), "–"],
     [metres(0.456), "0.46 m"],
     [metres(12.34), "12.3 m"],
     [metres(null), "–"],

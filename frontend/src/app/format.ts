@@ -15,6 +15,11 @@ export function score(value: number | null | undefined): string {
   return value == null ? "–" : value.toFixed(2);
 }
 
+/** 0.1967 -> "19.7%"; null -> "–" */
+export function percent(value: number | null | undefined): string {
+  return value == null ? "–" : `${(100 * value).toFixed(1)}%`;
+}
+
 export function metres(value: number | null | undefined): string {
   return value == null || !Number.isFinite(value) ? "–" : `${value.toFixed(value < 10 ? 2 : 1)} m`;
 }

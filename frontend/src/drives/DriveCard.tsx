@@ -1,5 +1,5 @@
 import { ActionIcon, Alert, Button, Group, Menu, Modal, Stack, Text } from "@mantine/core";
-import { IconDots, IconTrash } from "@tabler/icons-react";
+import { IconChartLine, IconDots, IconTrash } from "@tabler/icons-react";
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
 import { Link } from "wouter";
@@ -65,6 +65,11 @@ export function DriveCard({ drive }: { drive: Drive }) {
             </ActionIcon>
           </Menu.Target>
           <Menu.Dropdown>
+            {drive.state === "ready" && (
+              <Menu.Item component={Link} href={`${href}/evaluation`} leftSection={<IconChartLine size={15} />}>
+                {text.evaluation.name}
+              </Menu.Item>
+            )}
             <Menu.Item color="red" leftSection={<IconTrash size={15} />} onClick={() => setRemoving(true)}>
               {text.drives.remove}
             </Menu.Item>
@@ -78,7 +83,7 @@ export function DriveCard({ drive }: { drive: Drive }) {
 
 function facts(drive: Drive): string[] {
   return [
-    drive.format,
+    text.drives.formats[drive.format] ?? drive.format,
     text.drives.cameras(drive.camera_names.length),
     drive.has_lidar ? text.drives.lidar : text.drives.noLidar,
     text.drives.frames(drive.frame_count),

@@ -1,5 +1,5 @@
 import { ActionIcon, Button, Center, Loader, Text, Tooltip } from "@mantine/core";
-import { IconCube3dSphere, IconKeyboard } from "@tabler/icons-react";
+import { IconChartLine, IconCube3dSphere, IconKeyboard } from "@tabler/icons-react";
 import { useQuery } from "@tanstack/react-query";
 import { useCallback, useEffect, useState } from "react";
 import { Link } from "wouter";
@@ -80,7 +80,12 @@ function Review({ drive }: { drive: DriveDetail }) {
     <div className={classes.page}>
       <Header
         actions={
-          <Actions sceneOpen={sceneOpen} onScene={() => setSceneOpen(!sceneOpen)} onHelp={() => setHelpOpen(true)} />
+          <Actions
+            drive={drive}
+            sceneOpen={sceneOpen}
+            onScene={() => setSceneOpen(!sceneOpen)}
+            onHelp={() => setHelpOpen(true)}
+          />
         }
       >
         <h1 className={classes.name}>{drive.name}</h1>
@@ -133,9 +138,27 @@ function Review({ drive }: { drive: DriveDetail }) {
   );
 }
 
-function Actions({ sceneOpen, onScene, onHelp }: { sceneOpen: boolean; onScene: () => void; onHelp: () => void }) {
+interface ActionsProps {
+  drive: DriveDetail;
+  sceneOpen: boolean;
+  onScene: () => void;
+  onHelp: () => void;
+}
+
+function Actions({ drive, sceneOpen, onScene, onHelp }: ActionsProps) {
   return (
     <>
+      {drive.state === "ready" && (
+        <Button
+          component={Link}
+          href={`/drives/${drive.id}/evaluation`}
+          size="xs"
+          variant="default"
+          leftSection={<IconChartLine size={16} />}
+        >
+          {text.evaluation.name}
+        </Button>
+      )}
       <Button
         size="xs"
         variant={sceneOpen ? "light" : "default"}
