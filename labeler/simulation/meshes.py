@@ -196,14 +196,11 @@ def ellipsoid(center_m: ArrayLike, radii_m: ArrayLike, surface: Surface, *, ring
     unit = unit.reshape(-1, 3)
     normal = unit / radii
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    k, j = np.meshgrid(np.arange(rings), np.arange(sides), indexing="ij")
-    a, b = (k * sides + j).ravel(), (k * sides + (j + 1) % sides).ravel()
-    upper = np.stack([a, a + sides, b], axis=1)[k.ravel() < rings - 1]
-    lower = np.stack([b, a + sides, b + sides], axis=1)[k.ravel() > 0]
-    last = k.ravel() == rings - 1
-    foot = np.stack([a[last], a[last] + sides, b[last]], axis=1)
-    first = k.ravel() == 0
-    top = np.stack([b[first], a[first] + sides, b[first] + sides], axis=1)
-    faces = np.concatenate([top, upper[upper[:, 0] >= sides], lower[lower[:, 1] < rings * sides], foot])
+    ring, k = np.meshgrid(np.arange(rings), np.arange(sides), indexing="ij")
+    upper, upper_next = ring * sides + k, ring * sides + (k + 1) % sides
+    towards_top = np.stack([upper_next, upper + sides, upper_next + sides], axis=-1)
+    towards_foot = np.stack([upper, upper + sides, upper_next], axis=-1)
+    # the topmost ring is one point, and so is the lowest: half of their triangles have no area
+    faces = np.concatenate([towards_top[:-1].reshape(-1, 3), towards_foot[1:].reshape(-1, 3)])
     uv = np.stack([angle.ravel() / (2 * np.pi) * 2, polar.ravel() / np.pi], axis=1)
     return build_mesh(center + unit * radii, normal, faces, surface, uv=uv)

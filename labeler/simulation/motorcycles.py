@@ -9,6 +9,7 @@ from labeler.simulation.wheels import wheel
 
 _DARK = Surface((0.02, 0.02, 0.022), rough=0.7)
 _STEEL = Surface((0.35, 0.35, 0.36), Material.METAL, metal=0.8, rough=0.3)
+_ENGINE = Surface((0.10, 0.10, 0.105), Material.METAL, metal=0.5, rough=0.5)
 _PAINT = Surface((1.0, 1.0, 1.0), Material.PAINT, paint=1.0, rough=0.2)
 _LAMP = Surface((0.85, 0.87, 0.9), Material.GLASS, rough=0.1, glass=0.5)
 _TAIL = Surface((0.5, 0.02, 0.015), rough=0.2)
@@ -44,7 +45,7 @@ def _motorcycle_body(radius_m: float) -> list[Mesh]:
         ellipsoid((0.14, 0, 0.86), (0.30, 0.15, 0.14), _PAINT, rings=8, sides=12),
         box((-0.60, -0.13, 0.74), (-0.08, 0.13, 0.84), _DARK),
         ellipsoid((-0.55, 0, 0.76), (0.28, 0.11, 0.10), _PAINT, rings=6, sides=8),
-        box((-0.20, -0.15, 0.32), (0.28, 0.15, 0.70), _STEEL),
+        box((-0.18, -0.11, 0.34), (0.26, 0.11, 0.70), _ENGINE),
         cylinder((0.30, 0.0, 0.70), (0.44, 0.0, 0.95), 0.05, _DARK, sides=6),
         cylinder((-0.15, 0.09, 0.45), (rear_m, 0.09, radius_m), 0.035, _DARK, sides=6),
         cylinder((-0.15, -0.09, 0.45), (rear_m, -0.09, radius_m), 0.035, _DARK, sides=6),

@@ -109,12 +109,12 @@ def _card(
     rng: np.random.Generator, middle: np.ndarray[tuple[int], np.dtype[np.float64]],
     crown: np.ndarray[tuple[int], np.dtype[np.float64]], size: float, layer: int,
 ) -> Mesh:  # fmt: skip
-    """A square of leaves near the crown's surface, lit as the crown is."""
+    """A square of leaves that stands out of the crown's surface, lit as the crown is."""
     out = _direction(rng)
-    center = middle + out * crown * float(rng.uniform(0.55, 0.85))
+    center = middle + out * crown * float(rng.uniform(0.50, 0.80))
     across = np.cross(out, _direction(rng))
     across /= np.linalg.norm(across)
-    up = np.cross(out, across) + out * float(rng.uniform(-0.3, 0.3))
+    up = out + np.cross(out, across) * float(rng.uniform(-0.8, 0.8))
     up /= np.linalg.norm(up)
     corners = np.array([center + size * (a * across + b * up) for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))])
     normal = (corners - middle) / np.linalg.norm(corners - middle, axis=1, keepdims=True)
