@@ -29,7 +29,7 @@ COMMANDS: dict[str, Any] = dict(commands_of(get_command(main)))
 def sections() -> dict[str, str]:
     """The text of commands.md by the command that it is about."""
     text = (DOCS / "commands.md").read_text("utf-8")
-    parts = re.split(r"^## `hindsight ([a-z ]*[a-z])[^`]*`$", text, flags=re.MULTILINE)
+    parts = re.split(r"^## `hindsight ([a-z -]*[a-z])[^`]*`$", text, flags=re.MULTILINE)
     return dict(zip(parts[1::2], parts[2::2], strict=True))
 
 
