@@ -339,7 +339,8 @@ def _seen(
     """Those of a group that a camera may see, by level of detail."""
     distance_m = np.linalg.norm(group.center_m - eye, axis=1)
     visible = in_frustum(planes, group.center_m, group.radius_m) & (distance_m < _SEEN_UNTIL_M)
-    detail = np.digitize(distance_m, np.array(group.until_m)).clip(max=len(group.details) - 1)
+    passed = distance_m[:, None] >= np.array(group.until_m)[None]
+    detail = passed.sum(axis=1).clip(max=len(group.details) - 1)
     batches = [(drawable, group.rows[visible & (detail == level)]) for level, drawable in enumerate(group.details)]
     return [(drawable, rows) for drawable, rows in batches if len(rows)]
 
