@@ -98,7 +98,7 @@ export const text = {
     tabs: { merges: "Merges", identities: "Identities", selected: "Selected", export: "Export" },
     resizePanel: "Resize the side panel",
     frame: (i: number, n: number) => `Frame ${i + 1} of ${n}`,
-    showKeys: "Show the keys (?)",
+    showKeys: "Show the keys",
   },
   cameras: {
     noPicture: "No picture in this frame",
@@ -143,7 +143,7 @@ export const text = {
     noneAtAllHint: "No two tracks of different cameras looked like one object.",
     loadFailed: "The merges could not be loaded",
     question: "Is it the same object in both pictures?",
-    keysHint: "J next",
+    next: "next",
     scoreIs: (value: string) => `score ${value}`,
     accept: "Accept",
     reject: "Reject",
@@ -204,7 +204,7 @@ export const text = {
   },
   scene: {
     title: "3D",
-    show: "Show 3D view",
+    view: "3D view",
     hide: "Hide 3D view",
     starting: "Starting the 3D view…",
     noLidar: "No LiDAR in this drive",

@@ -14,6 +14,7 @@ import { JobProgress } from "../drives/JobProgress";
 import { LabelButton } from "../drives/LabelButton";
 import { text } from "../strings";
 import { CameraGrid } from "./cameras/CameraGrid";
+import { Key, withKey } from "./Key";
 import { KeyHelp } from "./KeyHelp";
 import { ReviewProvider } from "./ReviewContext";
 import classes from "./ReviewPage.module.css";
@@ -163,13 +164,13 @@ function Actions({ drive, sceneOpen, onScene, onHelp }: ActionsProps) {
         size="xs"
         variant={sceneOpen ? "light" : "default"}
         aria-pressed={sceneOpen}
-        aria-label={sceneOpen ? text.scene.hide : text.scene.show}
         leftSection={<IconCube3dSphere size={16} />}
+        rightSection={<Key action="toggleScene" />}
         onClick={onScene}
       >
-        {text.scene.title}
+        {text.scene.view}
       </Button>
-      <Tooltip label={text.review.showKeys}>
+      <Tooltip label={withKey(text.review.showKeys, "help")}>
         <ActionIcon variant="subtle" color="gray" aria-label={text.review.showKeys} onClick={onHelp}>
           <IconKeyboard size={19} />
         </ActionIcon>

@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import { text } from "../strings";
-import { actionOf, KEY_MAP, type KeyPress } from "./keyMap";
+import { actionOf, KEY_MAP, type KeyPress, keyOf } from "./keyMap";
 
 const press = (key: string, more: Partial<KeyPress> = {}): KeyPress => ({
   key,
@@ -55,5 +55,11 @@ describe("actionOf", () => {
     const keys = KEY_MAP.flatMap((binding) => binding.keys);
     expect(new Set(keys).size).toBe(keys.length);
     expect(Object.keys(text.keys.actions).sort()).toEqual(KEY_MAP.map((binding) => binding.action).sort());
+  });
+
+  it("names one key on a button, which does what the button does", () => {
+    expect(keyOf("previousFrame")).toBe("D");
+    expect(keyOf("playPause")).toBe("Space");
+    expect(KEY_MAP.map((binding) => keyOf(binding.action))).not.toContain("");
   });
 });

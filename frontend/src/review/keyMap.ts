@@ -50,6 +50,11 @@ export const KEY_MAP: readonly KeyBinding[] = [
 
 const BY_KEY = new Map(KEY_MAP.flatMap((binding) => binding.keys.map((key) => [key, binding.action] as const)));
 
+/** The key of an action, as buttons show it: the first of those that do the same. */
+export function keyOf(action: Action): string {
+  return KEY_MAP.find((binding) => binding.action === action)?.shown[0] ?? "";
+}
+
 /** The parts of a `KeyboardEvent` that decide. */
 export interface KeyPress {
   key: string;

@@ -4,6 +4,7 @@ import { useQueryClient } from "@tanstack/react-query";
 import { useEffect, useRef } from "react";
 import { identitiesQuery, mergesQuery } from "../api/queries";
 import type { Merge } from "../api/types";
+import { inCarOrder } from "./cameras/layout";
 import { useIdentityList } from "./identities/identityList";
 import { type Action, actionOf } from "./keyMap";
 import { mergesOf, stepMerge } from "./merges/order";
@@ -62,7 +63,7 @@ export function useKeys(page: Page): void {
         if (donor) move(donor.frame_index);
       },
       enlarge: () => {
-        const round = [null, ...drive.camera_names];
+        const round = [null, ...inCarOrder(drive.camera_names)];
         state.setEnlarged(round[(round.indexOf(state.enlarged) + 1) % round.length] ?? null);
       },
       toggleScene: page.toggleScene,

@@ -1,8 +1,9 @@
-import { ActionIcon } from "@mantine/core";
+import { ActionIcon, Tooltip } from "@mantine/core";
 import { IconArrowsDiagonal, IconArrowsDiagonalMinimize2 } from "@tabler/icons-react";
 import { type MouseEvent, type PointerEvent, useEffect, useMemo, useRef } from "react";
 import type { DriveDetail, Observation } from "../../api/types";
 import { text } from "../../strings";
+import { withKey } from "../Key";
 import { useReview, useShared } from "../ReviewContext";
 import classes from "./CameraView.module.css";
 import { drawBoxes } from "./drawBoxes";
@@ -100,17 +101,22 @@ export function CameraView({ camera, tile, committed, enlarged, onEnlarge }: Cam
       )}
       <figcaption className={classes.name}>{camera.name}</figcaption>
       {onEnlarge && (
-        <ActionIcon
-          className={classes.enlarge}
-          size={26}
-          variant="filled"
-          color="dark.8"
-          aria-label={enlarged ? text.cameras.shrink : text.cameras.enlarge(camera.name)}
-          aria-pressed={enlarged}
-          onClick={onEnlarge}
+        <Tooltip
+          label={withKey(enlarged ? text.cameras.shrink : text.cameras.enlarge(camera.name), "enlarge")}
+          openDelay={500}
         >
-          {enlarged ? <IconArrowsDiagonalMinimize2 size={15} /> : <IconArrowsDiagonal size={15} />}
-        </ActionIcon>
+          <ActionIcon
+            className={classes.enlarge}
+            size={26}
+            variant="filled"
+            color="dark.8"
+            aria-label={enlarged ? text.cameras.shrink : text.cameras.enlarge(camera.name)}
+            aria-pressed={enlarged}
+            onClick={onEnlarge}
+          >
+            {enlarged ? <IconArrowsDiagonalMinimize2 size={15} /> : <IconArrowsDiagonal size={15} />}
+          </ActionIcon>
+        </Tooltip>
       )}
       {hovered && <ObservationCaption observation={hovered} />}
     </figure>

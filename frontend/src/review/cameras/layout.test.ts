@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { arrangements, layoutCameras, placeOf } from "./layout";
+import { arrangements, inCarOrder, layoutCameras, placeOf } from "./layout";
 
 describe("placeOf", () => {
   it.each([
@@ -27,6 +27,22 @@ describe("placeOf", () => {
   });
 });
 
+describe("inCarOrder", () => {
+  it.each([
+    [
+      ["CAM_BACK", "CAM_BACK_LEFT", "CAM_FRONT", "CAM_FRONT_LEFT"],
+      ["CAM_FRONT_LEFT", "CAM_FRONT", "CAM_BACK_LEFT", "CAM_BACK"],
+    ],
+    // Cameras whose name says nothing keep their order and come last.
+    [
+      ["x2", "rear", "x1", "right", "left", "front"],
+      ["front", "left", "right", "rear", "x2", "x1"],
+    ],
+  ])("%s", (cameras, expected) => {
+    expect(inCarOrder(cameras)).toEqual(expected);
+  });
+});
+
 const square = () => 1;
 const wide = () => 2;
 
@@ -40,10 +56,11 @@ describe("layoutCameras", () => {
   const rig = ["rear", "left", "front", "right"];
 
   it.each([
-    [1000, 700],
-    [700, 1000],
-    [2400, 600],
-  ])("keeps front above rear and left beside right in %i x %i", (width, height) => {
+    // Higher than wide: one above two above one.
+    ["a high room", 700, 1000],
+    // Left, front and right in a line.
+    ["a low room", 2400, 600],
+  ])("keeps front above rear and left beside right in %s", (_, width, height) => {
     const tiles = layoutCameras(rig, wide, { width, height, gap: 6 });
     expect(tiles).toHaveLength(4);
     expect(centre(tiles, "front").y).toBeLessThan(centre(tiles, "rear").y);
@@ -51,6 +68,46 @@ describe("layoutCameras", () => {
     expect(centre(tiles, "left").y).toBe(centre(tiles, "right").y);
     expect(centre(tiles, "front").x).toBeCloseTo(width / 2);
     expect(centre(tiles, "rear").x).toBeCloseTo(width / 2);
+  });
+
+  it("puts the usual rig two by two where that shows more: front and rear above left and right", () => {
+    const tiles = layoutCameras(rig, wide, { width: 1000, height: 700, gap: 0 });
+    // 500 wide each; one above two above one would have 233 px of height each, so 466 of width.
+    expect(tiles).toEqual([
+      { camera: "front", x: 0, y: 100, width: 500, height: 250 },
+      { camera: "rear", x: 500, y: 100, width: 500, height: 250 },
+      { camera: "left", x: 0, y: 350, width: 500, height: 250 },
+      { camera: "right", x: 500, y: 350, width: 500, height: 250 },
+    ]);
+  });
+
+  it.each([
+    // Names say nothing, a wide room: beside each other in their order, 400 wide each. Below each other: 200.
+    ["beside each other", ["cam2", "cam3"], 800, 200, { cam2: [0, 0, 400], cam3: [400, 0, 400] }],
+    ["below each other", ["cam2", "cam3"], 400, 400, { cam2: [0, 0, 400], cam3: [0, 200, 400] }],
+    ["rear right of front", ["rear", "front"], 800, 200, { front: [0, 0, 400], rear: [400, 0, 400] }],
+    [
+      "left on the left, though the front comes first",
+      ["front", "left"],
+      800,
+      200,
+      { left: [0, 0, 400], front: [400, 0, 400] },
+    ],
+    ["front on top", ["left", "front"], 400, 400, { front: [0, 0, 400], left: [0, 200, 400] }],
+  ])("shows two cameras as large as it can: %s", (_, cameras, width, height, expected) => {
+    const tiles = layoutCameras(cameras, wide, { width, height, gap: 0 });
+    expect(Object.fromEntries(tiles.map((tile) => [tile.camera, [tile.x, tile.y, tile.width]]))).toEqual(expected);
+  });
+
+  it("shows nothing larger than what is ahead", () => {
+    // The rear has a line for itself; it could be three times as large as the three above it.
+    const tiles = layoutCameras(["front", "front_left", "front_right", "rear"], wide, {
+      width: 900,
+      height: 500,
+      gap: 0,
+    });
+    const front = tiles.find((tile) => tile.camera === "front")?.width ?? 0;
+    for (const tile of tiles) expect(tile.width).toBeLessThanOrEqual(front);
   });
 
   it("gives one camera all the room that its shape can use", () => {

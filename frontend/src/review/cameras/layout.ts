@@ -1,9 +1,9 @@
 /**
  * Where each camera's picture stands: like on the car, seen from above with the front on top.
  *
- * The place is read from the camera's name. Candidate arrangements that all keep front above rear and left beside
+ * The place is read from the camera's name. Candidate arrangements that all keep the front on top and left beside
  * right are filled into the room that there is, and the one that shows the largest pictures wins. Cameras whose name
- * says nothing follow in a grid.
+ * says nothing follow in a grid. Two cameras stand beside each other where that shows more of them.
  */
 
 export type Row = "front" | "side" | "rear";
@@ -72,39 +72,62 @@ function inColumns(cameras: { camera: string; place: Place }[]): string[] {
   return COLUMNS.flatMap((column) => cameras.filter((one) => one.place.column === column).map((one) => one.camera));
 }
 
-/** Arrangements of the cameras in rows, all true to the car. */
+const ROWS: Row[] = ["front", "side", "rear"];
+
+/** The cameras as one goes round the car from its front to its rear, left before right; unknown ones come last. */
+export function inCarOrder(cameras: readonly string[]): string[] {
+  const rank = (camera: string) => {
+    const place = placeOf(camera);
+    return place ? ROWS.indexOf(place.row) * COLUMNS.length + COLUMNS.indexOf(place.column) : Number.POSITIVE_INFINITY;
+  };
+  const ranks = new Map(cameras.map((camera) => [camera, rank(camera)]));
+  const of = (camera: string) => ranks.get(camera) as number;
+  return [...cameras].sort((a, b) => (of(a) === of(b) ? 0 : of(a) - of(b)));
+}
+
+/** Two cameras below or beside each other. The left one stands on the left, whichever looks ahead. */
+function arrangePair(cameras: readonly string[]): string[][][] {
+  const [first, second] = inCarOrder(cameras) as [string, string];
+  const [a, b] = [placeOf(first), placeOf(second)];
+  const swapped = a && b && COLUMNS.indexOf(b.column) < COLUMNS.indexOf(a.column);
+  return [[[first], [second]], [swapped ? [second, first] : [first, second]]];
+}
+
+/** Arrangements of the cameras in rows, all with the front on top and left beside right. */
 export function arrangements(cameras: readonly string[]): string[][][] {
+  if (cameras.length === 2) return arrangePair(cameras);
   const placed: { camera: string; place: Place }[] = [];
   const unknown: string[] = [];
-  for (const camera of cameras) {
+  for (const camera of inCarOrder(cameras)) {
     const place = placeOf(camera);
     if (place) placed.push({ camera, place });
     else unknown.push(camera);
   }
-  const rowOf = (...wanted: ((place: Place) => boolean)[]) =>
-    wanted.map((want) => inColumns(placed.filter((one) => want(one.place))));
+  const rowsOf = (...wanted: ((place: Place) => boolean)[]) =>
+    wanted.map((want) => inColumns(placed.filter((one) => want(one.place)))).filter((row) => row.length > 0);
+  const front = (place: Place) => place.row === "front";
+  const side = (place: Place) => place.row === "side";
+  const rear = (place: Place) => place.row === "rear";
   const centre = (place: Place) => place.column === "centre";
   const bases = [
     // As the names say.
-    rowOf(
-      (place) => place.row === "front",
-      (place) => place.row === "side",
-      (place) => place.row === "rear",
-    ),
+    rowsOf(front, side, rear),
     // The front camera alone on top, all that look to a side below it.
-    rowOf(
-      (place) => place.row === "front" && centre(place),
-      (place) => place.row === "front" && !centre(place),
-      (place) => place.row === "side",
-      (place) => place.row === "rear" && !centre(place),
-      (place) => place.row === "rear" && centre(place),
+    rowsOf(
+      (place) => front(place) && centre(place),
+      (place) => front(place) && !centre(place),
+      side,
+      (place) => rear(place) && !centre(place),
+      (place) => rear(place) && centre(place),
     ),
     // Left, front, right in one line; the rear below.
-    rowOf(
-      (place) => place.row === "front" || place.row === "side",
-      (place) => place.row === "rear",
-    ),
-  ].map((rows) => rows.filter((row) => row.length > 0));
+    rowsOf((place) => front(place) || side(place), rear),
+  ];
+  const [ahead, sides, behind] = [front, side, rear].map((want) => placed.filter((one) => want(one.place)));
+  if (ahead?.length === 1 && behind?.length === 1 && sides?.length === 2) {
+    // The usual rig of four, two by two.
+    bases.push(rowsOf((place) => front(place) || rear(place), side));
+  }
   if (unknown.length === 0) return bases;
   const grids: string[][][] = [];
   for (let columns = 1; columns <= unknown.length; columns += 1) {
@@ -115,12 +138,18 @@ export function arrangements(cameras: readonly string[]): string[][][] {
   return bases.flatMap((base) => grids.map((grid) => [...base, ...grid]));
 }
 
-/** Rows as large as the room allows: one common height, but for rows too wide for it; the slack goes to the others. */
+/**
+ * Rows as large as the room allows: one common height, but for rows too wide for it; the slack goes to those above.
+ *
+ * No row is higher than the one above it: what is behind the car is never larger than what is ahead.
+ */
 function fill(rows: string[][], aspectOf: (camera: string) => number, room: Room): Tile[] {
   const free = room.height - room.gap * (rows.length - 1);
+  let above = Number.POSITIVE_INFINITY;
   const caps = rows.map((row) => {
     const aspects = row.reduce((sum, camera) => sum + aspectOf(camera), 0);
-    return (room.width - room.gap * (row.length - 1)) / aspects;
+    above = Math.min(above, (room.width - room.gap * (row.length - 1)) / aspects);
+    return above;
   });
   // The height h with sum(min(h, cap)) = free, found by letting the rows with the smallest cap settle first.
   let left = free;

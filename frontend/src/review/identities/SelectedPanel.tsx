@@ -8,6 +8,7 @@ import { Notice } from "../../app/Notice";
 import { text } from "../../strings";
 import { Crop } from "../cameras/Crop";
 import { identityColour } from "../cameras/palette";
+import { Key } from "../Key";
 import { useCommitted, useReview, useShared } from "../ReviewContext";
 import { useObservationsAt } from "../useObservationsAt";
 import { nearestFrame } from "./nearestFrame";
@@ -128,6 +129,7 @@ function Lineage({ identity, here, width }: { identity: Identity; here: Observat
             mt={4}
             variant="light"
             leftSection={<IconCrosshair size={13} />}
+            rightSection={<Key action="goToDonor" />}
             onClick={() => store.getState().seek(donor.frame_index)}
           >
             {text.identities.goToDonor}

@@ -1,10 +1,11 @@
-import { Alert, Button, Kbd, Text, Tooltip } from "@mantine/core";
+import { Alert, Button, Text, Tooltip } from "@mantine/core";
 import { IconAlertTriangle, IconArrowBackUp, IconCheck, IconX } from "@tabler/icons-react";
 import type { Merge } from "../../api/types";
 import { metres, score, sentence } from "../../app/format";
 import { text } from "../../strings";
 import { Crop } from "../cameras/Crop";
 import { identityColour } from "../cameras/palette";
+import { Key } from "../Key";
 import { useObservationsAt } from "../useObservationsAt";
 import classes from "./MergeCard.module.css";
 import { bestFrame } from "./order";
@@ -94,10 +95,11 @@ function Decide({ merge, onDecide }: { merge: Merge; onDecide: (decision: Decisi
           size="xs"
           px={10}
           leftSection={<IconCheck size={15} />}
+          rightSection={<Key action="accept" />}
           onClick={() => onDecide("accept")}
           variant={proposed ? "filled" : "default"}
         >
-          {text.merges.accept} <Key shown="A" />
+          {text.merges.accept}
         </Button>
       )}
       {merge.state !== "rejected" && (
@@ -105,10 +107,11 @@ function Decide({ merge, onDecide }: { merge: Merge; onDecide: (decision: Decisi
           size="xs"
           px={10}
           leftSection={<IconX size={15} />}
+          rightSection={<Key action="reject" />}
           onClick={() => onDecide("reject")}
           variant="default"
         >
-          {text.merges.reject} <Key shown="R" />
+          {text.merges.reject}
         </Button>
       )}
       {merge.decided_by === "person" && !proposed && (
@@ -116,10 +119,11 @@ function Decide({ merge, onDecide }: { merge: Merge; onDecide: (decision: Decisi
           size="xs"
           px={10}
           leftSection={<IconArrowBackUp size={15} />}
+          rightSection={<Key action="undo" />}
           onClick={() => onDecide("undo")}
           variant="default"
         >
-          {text.merges.undo} <Key shown="U" />
+          {text.merges.undo}
         </Button>
       )}
       {!proposed && (
@@ -128,14 +132,6 @@ function Decide({ merge, onDecide }: { merge: Merge; onDecide: (decision: Decisi
         </span>
       )}
     </>
-  );
-}
-
-function Key({ shown }: { shown: string }) {
-  return (
-    <Kbd size="xs" ml={5} aria-hidden className={classes.key}>
-      {shown}
-    </Kbd>
   );
 }
 

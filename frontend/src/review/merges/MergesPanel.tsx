@@ -9,6 +9,7 @@ import type { MergeState } from "../../api/types";
 import { count } from "../../app/format";
 import { Notice } from "../../app/Notice";
 import { text } from "../../strings";
+import { Key } from "../Key";
 import { useReview, useShared } from "../ReviewContext";
 import { MergeCard } from "./MergeCard";
 import classes from "./MergesPanel.module.css";
@@ -100,7 +101,10 @@ export function MergesPanel({ shown, onShow, width }: MergesPanelProps) {
         <>
           {shown === "proposed" && (
             <p className={classes.question}>
-              {text.merges.question} <kbd>{text.merges.keysHint}</kbd>
+              {text.merges.question}
+              <span className={classes.next}>
+                <Key action="nextMerge" /> {text.merges.next}
+              </span>
             </p>
           )}
           <div ref={scroller} className={classes.scroller}>

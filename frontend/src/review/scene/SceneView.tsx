@@ -2,6 +2,7 @@ import { ActionIcon, Loader, Tooltip, useComputedColorScheme } from "@mantine/co
 import { IconCube3dSphere, IconCubeOff, IconX } from "@tabler/icons-react";
 import { Notice } from "../../app/Notice";
 import { text } from "../../strings";
+import { withKey } from "../Key";
 import classes from "./SceneView.module.css";
 import { useScene } from "./useScene";
 
@@ -13,7 +14,7 @@ export function SceneView({ height, onClose }: { height: number; onClose: () => 
       <header className={classes.head}>
         <IconCube3dSphere size={15} />
         <h2 className={classes.title}>{text.scene.title}</h2>
-        <Tooltip label={text.scene.hide}>
+        <Tooltip label={withKey(text.scene.hide, "toggleScene")}>
           <ActionIcon size="sm" variant="subtle" color="gray" aria-label={text.scene.hide} onClick={onClose}>
             <IconX size={14} />
           </ActionIcon>

@@ -3,6 +3,7 @@ import { type PointerEvent, useMemo, useRef } from "react";
 import { identitiesQuery, tracksQuery } from "../../api/queries";
 import { clock } from "../../app/format";
 import { text } from "../../strings";
+import { inCarOrder } from "../cameras/layout";
 import { identityColour } from "../cameras/palette";
 import { useMerges } from "../merges/useDecisions";
 import { useReview, useShared } from "../ReviewContext";
@@ -23,7 +24,7 @@ export function Lanes({ frameTimesMs }: { frameTimesMs: readonly number[] }) {
   const merges = useMerges();
   const dragging = useRef(false);
   const count = drive.frame_count;
-  const cameras = drive.camera_names;
+  const cameras = useMemo(() => inCarOrder(drive.camera_names), [drive.camera_names]);
 
   const segments = useMemo(() => segmentsOf(tracks ?? [], identityIds, count), [tracks, identityIds, count]);
   const donors = (identities ?? []).filter((one) => identityIds.includes(one.id) && one.donor);

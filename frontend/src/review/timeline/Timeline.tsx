@@ -5,9 +5,12 @@ import {
   IconPlayerTrackNext,
   IconPlayerTrackPrev,
 } from "@tabler/icons-react";
+import type { ReactNode } from "react";
 import { clock } from "../../app/format";
 import { text } from "../../strings";
 import { Legend } from "../cameras/Legend";
+import { withKey } from "../Key";
+import type { Action } from "../keyMap";
 import { useReview, useShared } from "../ReviewContext";
 import { Lanes } from "./Lanes";
 import classes from "./Timeline.module.css";
@@ -27,10 +30,10 @@ export function Timeline() {
   return (
     <section className={classes.timeline} aria-label={text.timeline.label}>
       <div className={classes.transport}>
-        <Button label={text.timeline.previous} onClick={() => step(-1)}>
+        <Button label={text.timeline.previous} action="previousFrame" onClick={() => step(-1)}>
           <IconPlayerTrackPrev size={16} />
         </Button>
-        <Tooltip label={playing ? text.timeline.pause : text.timeline.play} openDelay={500}>
+        <Tooltip label={withKey(playing ? text.timeline.pause : text.timeline.play, "playPause")} openDelay={500}>
           <ActionIcon
             size={34}
             radius="xl"
@@ -41,7 +44,7 @@ export function Timeline() {
             {playing ? <IconPlayerPauseFilled size={17} /> : <IconPlayerPlayFilled size={17} />}
           </ActionIcon>
         </Tooltip>
-        <Button label={text.timeline.next} onClick={() => step(1)}>
+        <Button label={text.timeline.next} action="nextFrame" onClick={() => step(1)}>
           <IconPlayerTrackNext size={16} />
         </Button>
         <Where />
@@ -72,9 +75,16 @@ function Where() {
   );
 }
 
-function Button({ label, onClick, children }: { label: string; onClick: () => void; children: React.ReactNode }) {
+interface ButtonProps {
+  label: string;
+  action: Action;
+  onClick: () => void;
+  children: ReactNode;
+}
+
+function Button({ label, action, onClick, children }: ButtonProps) {
   return (
-    <Tooltip label={label} openDelay={500}>
+    <Tooltip label={withKey(label, action)} openDelay={500}>
       <ActionIcon size={30} radius="xl" variant="subtle" color="gray" aria-label={label} onClick={onClick}>
         {children}
       </ActionIcon>
