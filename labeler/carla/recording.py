@@ -60,8 +60,9 @@ def record_drive(carla: Any, folder: Path, config: CarlaConfig, progress: Progre
     """Record a drive in ``folder``, which must not be there yet, from a server; ``carla`` is its client's module.
 
     The server is left as it was found, whatever happens, but that it keeps showing the town. CarlaError when the
-    server can't be reached or used, or fails, or embreex is missing; SimulationError when ``folder`` is there or can't
-    be written. When the server fails or Ctrl-C is pressed, the moments that were recorded until then become a drive."""
+    server can't be reached or used, or fails, when embreex is missing, or when ``folder`` can't be written;
+    SimulationError when ``folder`` is there. When the server fails or Ctrl-C is pressed, the moments that were recorded
+    until then become a drive."""
     require_free(folder)
     _require_embree()
     progress.stage("Connecting to CARLA", 1)
@@ -84,6 +85,10 @@ def record_drive(carla: Any, folder: Path, config: CarlaConfig, progress: Progre
     except (RuntimeError, CarlaError) as error:
         recorder.publish()
         raise CarlaError(_failure(error, recorder, borrowed)) from error
+    except SimulationError as error:  # its own message promises to go on from there, which no server can
+        raise CarlaError(
+            f"{folder} can't be written ({error.__cause__ or error}). Mend that, and record again."
+        ) from error
     recorder.publish()
     return Recorded(recorder.moments, version, tuple(_not_restored(borrowed)))
 

@@ -268,6 +268,13 @@ def test_a_folder_that_is_there_is_not_touched(server: Server, tmp_path: Path) -
     assert server.frame == 40
 
 
+def test_a_place_that_cannot_be_written(server: Server, tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("no folder", encoding="utf-8")
+    with pytest.raises(CarlaError, match=r"drive can't be written \(.*Not a directory.*record again"):
+        record(server, tmp_path / "file" / "drive")
+    assert state_of(server) == OLD_WORLD
+
+
 def test_without_embreex_the_server_is_not_touched(
     server: Server, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
