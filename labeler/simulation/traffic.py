@@ -89,7 +89,7 @@ class Traffic:
     _file: Path
 
     def frames(self) -> Iterator[TrafficFrame]:
-        """Every moment in turn, read from SUMO's file. SimulationError when vehicles are missing in one."""
+        """Every moment in turn, read from SUMO's file. SimulationError when a vehicle or a moment is missing."""
         every = _steps_per_frame(self.config)
         step_s = self.config.period_ms / 1000 / every
         for step, placement in _placements(_bodies(self._file, self._lengths_m, self._rear_axles_m), step_s):
@@ -97,8 +97,6 @@ class Traffic:
             if since_start < 0 or since_start % every:
                 continue
             index = since_start // every
-            if index >= self.config.frames:
-                return
             missing = self.config.vehicles - len(placement.vehicle_id)
             if missing:
                 raise SimulationError(
@@ -111,6 +109,9 @@ class Traffic:
                 for approach in program.lamps
             }
             yield TrafficFrame(index, placement, lamps)
+            if index + 1 == self.config.frames:
+                return
+        raise SimulationError("SUMO ended before the drive did: vehicles left the town or it has no room for them.")
 
 
 def simulate_traffic(layout: TownLayout, fleet: Sequence[VehicleModel], config: TrafficConfig, folder: Path) -> Traffic:
@@ -185,17 +186,19 @@ def _write_routes(
     for model in fleet:
         length_m, width_m, _ = model.size_m
         long = length_m > _LONG_M
-        ET.SubElement(
-            root,
-            "vType",
-            {"id": model.name, "length": f"{length_m:.3f}", "width": f"{width_m:.3f}", "minGap": "2.0"}
-            | {
-                "accel": "1.3" if long else "2.4",
-                "decel": "4.0",
-                "maxSpeed": "11" if long else "15",
-            }
-            | {"sigma": "0.5", "speedDev": "0.12", "lcSpeedGain": "0.6"},
-        )
+        kind = {
+            "id": model.name,
+            "length": f"{length_m:.3f}",
+            "width": f"{width_m:.3f}",
+            "minGap": "2.0",
+            "accel": "1.3" if long else "2.4",
+            "decel": "4.0",
+            "maxSpeed": "11" if long else "15",
+            "sigma": "0.5",
+            "speedDev": "0.12",
+            "lcSpeedGain": "0.6",
+        }
+        ET.SubElement(root, "vType", kind)
     duration_s = _WARM_UP_S + config.frames * config.period_ms / 1000
     shortest_m = min(edge.length_m for edge in layout.edges)
     edges_each = int(duration_s * SPEED_LIMIT_MPS * 1.3 / shortest_m) + 5
@@ -206,12 +209,8 @@ def _write_routes(
         while len(walk) < edges_each:
             ways_on = (network.without_right_turns if long else network.following)[walk[-1]]
             walk.append(ways_on[int(rng.integers(len(ways_on)))])
-        vehicle = ET.SubElement(
-            root,
-            "vehicle",
-            {"id": str(index + 1), "type": model.name, "depart": "0", "departSpeed": "0"}
-            | {"departLane": "best", "departPos": "random_free"},
-        )
+        departs = {"depart": "0", "departSpeed": "0", "departLane": "best", "departPos": "random_free"}
+        vehicle = ET.SubElement(root, "vehicle", {"id": str(index + 1), "type": model.name} | departs)
         ET.SubElement(vehicle, "route", {"edges": " ".join(walk)})
     ET.ElementTree(root).write(file, encoding="utf-8", xml_declaration=True)
 
