@@ -15,7 +15,7 @@ from labeler.simulation.towns import TownStyle
 
 Side = Literal["south", "east", "north", "west"]
 TreeKind = Literal["street", "garden", "bush"]
-FurnitureKind = Literal["bench", "bin", "hydrant", "bollard", "cabinet"]
+FurnitureKind = Literal["bench", "bin", "hydrant", "cabinet"]
 RoofKind = Literal["flat", "gable"]
 
 STOREY_M = 3.2

@@ -126,7 +126,7 @@ def _rear(s: CarShape, plate: str) -> Picture:
 
 def _number_plate(picture: Picture, words: str, low_m: float) -> None:
     picture.rectangle((-0.26, 0.26), (low_m, low_m + 0.11), PLATE)
-    picture.text(words, (-0.2, low_m + 0.025), 0.06, _LETTERS)
+    picture.text(words, (-0.2, low_m + 0.028), 0.054, _LETTERS)
 
 
 def _top(s: CarShape, *, sunroof: bool) -> Picture:

@@ -161,7 +161,7 @@ def _shop_fronts(picture: Picture, frame: Rgb, rng: np.random.Generator) -> None
     picture.rectangle((0.0, top), (0.79 * top, 0.93 * top), board)
     words = str(rng.choice(_SIGNS))
     start = float(rng.uniform(0.5, 4.0))
-    picture.text(words, (start, 0.815 * top), 0.09 * top, Ink((240, 240, 234)), broader=0.4)
+    picture.text(words, (start, 0.815 * top), 0.075 * top, Ink((240, 240, 234)), broader=0.4)
 
 
 def _flat_fronts(picture: Picture, frame: Rgb, rng: np.random.Generator) -> None:

@@ -126,7 +126,7 @@ def _bus_layers(textures: TextureSet, s: HeavyShape, top_m: float, rng: np.rando
     front.line([(0, 1.05), (0, top_m - 0.42)], 1, _SEAM)
     front.line([(-0.2, 1.08), (-0.75, 1.55)], 1, _SEAM)
     front.rectangle((-0.40 * w, 0.40 * w), (top_m - 0.36, top_m - 0.12), Ink((12, 12, 12), rough=0.3))
-    front.text(line, (-0.85, top_m - 0.31), 0.14, Ink((255, 176, 40), rough=0.5))
+    front.text(line, (-0.85, top_m - 0.30), 0.12, Ink((255, 176, 40), rough=0.5))
     front.rectangle((-w / 2, w / 2), (s.floor_m, s.floor_m + 0.14), TRIM)
     front.rectangle((-0.24 * w, 0.24 * w), (0.52, 0.70), _SEAM)
     front.rectangle((-0.26, 0.26), (0.50, 0.61), PLATE)
@@ -207,7 +207,7 @@ def _cargo_layers(textures: TextureSet, s: HeavyShape, front_m: float, rng: np.r
     for side, start_m in zip(sides, (front_m - 0.6, rear_m + 0.6), strict=True):
         for x in np.arange(rear_m, front_m, 0.6):
             side.line([(x, z_m[0]), (x, z_m[1])], 1, shade)
-        side.text(name, (start_m, middle_m), 0.5, letters)
+        side.text(name, (start_m, middle_m), 0.42, letters)
         side.rectangle((rear_m, front_m), (z_m[0], z_m[0] + 0.10), _SEAM)
         for x in np.arange(rear_m + 0.4, front_m, 1.6):
             side.rectangle((x, x + 0.14), (z_m[0] + 0.02, z_m[0] + 0.08), _INDICATOR)

@@ -84,8 +84,6 @@ def furniture_mesh(kind: FurnitureKind) -> Mesh:
             cylinder((0, 0, 0.62), (0, 0, 0.74), 0.13, red, end_radius_m=0.03, sides=10),
             cylinder((0, -0.2, 0.46), (0, 0.2, 0.46), 0.06, red, sides=8),
         ])  # fmt: skip
-    if kind == "bollard":
-        return cylinder((0, 0, 0), (0, 0, 0.9), 0.08, _POST, sides=10)
     return join([box((-0.2, -0.45, 0), (0.2, 0.45, 1.15), grey), box((-0.23, -0.48, 1.15), (0.23, 0.48, 1.2), grey)])
 
 

@@ -75,15 +75,17 @@ class Picture:
         They read rightly, however the picture is stretched and whichever way its ranges run."""
         if not words:
             return
-        (wide, tall), _ = cv2.getTextSize(words, cv2.FONT_HERSHEY_SIMPLEX, 2.0, 6)
-        stencil = np.zeros((tall + 12, wide + 8), dtype=np.uint8)
-        cv2.putText(stencil, words, (4, tall + 4), cv2.FONT_HERSHEY_SIMPLEX, 2.0, 255, 6, cv2.LINE_AA)
+        (wide, tall), descent = cv2.getTextSize(words, cv2.FONT_HERSHEY_SIMPLEX, 2.0, 6)
+        drawn = np.zeros((tall + descent + 8, wide + 8), dtype=np.uint8)
+        cv2.putText(drawn, words, (4, tall + 4), cv2.FONT_HERSHEY_SIMPLEX, 2.0, 255, 6, cv2.LINE_AA)
+        left, top, wide, tall = cv2.boundingRect(drawn)
+        stencil = drawn[top : top + tall, left : left + wide]
         size_px = self.color.shape[0]
         per_x_px = size_px / abs(self._x_m[1] - self._x_m[0])
         per_z_px = size_px / abs(self._z_m[1] - self._z_m[0])
         left, base = (int(value) for value in self._pixels([at_m])[0] >> _SHIFT)
-        high = max(2, round(height_m * per_z_px * stencil.shape[0] / tall))
-        broad = max(2, round(height_m / tall * stencil.shape[1] * per_x_px * broader))
+        high = max(2, round(height_m * per_z_px))
+        broad = max(2, round(height_m / tall * wide * per_x_px * broader))
         small = np.asarray(cv2.resize(stencil, (broad, high), interpolation=cv2.INTER_AREA), dtype=np.float64) / 255
         rows, columns = slice(max(0, base - high), base), slice(left, min(size_px, left + broad))
         cover = small[high - (rows.stop - rows.start) :, : columns.stop - columns.start, None]
