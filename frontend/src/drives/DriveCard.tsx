@@ -70,7 +70,7 @@ export function DriveCard({ drive }: { drive: Drive }) {
                 {text.evaluation.name}
               </Menu.Item>
             )}
-            <Menu.Item color="red" leftSection={<IconTrash size={15} />} onClick={() => setRemoving(true)}>
+            <Menu.Item c="var(--danger)" leftSection={<IconTrash size={15} />} onClick={() => setRemoving(true)}>
               {text.drives.remove}
             </Menu.Item>
           </Menu.Dropdown>
