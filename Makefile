@@ -19,15 +19,9 @@ help: ## list the targets
 	@echo "Usage: make TARGET"
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  %-10s%s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
-demo: $(READY) ## label a drive and open it for review: make demo DRIVE=folder MODEL=yolox.onnx
-	@if [ -z "$(DRIVE)" ] || [ -z "$(MODEL)" ]; then \
-	  echo "make demo needs a recorded drive and a YOLOX model in ONNX form:" >&2; \
-	  echo "  make demo DRIVE=path/to/drive MODEL=path/to/yolox.onnx" >&2; \
-	  echo "README.md says which drives it reads and where models come from." >&2; \
-	  exit 2; \
-	fi
+demo: $(READY) ## label a drive and open it for review: make demo [DRIVE=folder] MODEL=yolox.onnx
 	@$(PAGE) build
-	@$(BIN)/hindsight demo "$(DRIVE)" --model "$(MODEL)"
+	@$(BIN)/hindsight demo $(if $(DRIVE),"$(DRIVE)") $(if $(MODEL),--model "$(MODEL)")
 
 test: $(READY) ## run all tests: Python, the page, and the browser where Chromium is found
 	@$(PAGE) build
