@@ -61,11 +61,11 @@ def cast(
     what = np.full(len(rays), GROUND)
     for number, world_box, half in boxes:
         turn = world_box[:3, :3].T
-        start, along = turn @ (origin - world_box[:3, 3]), directions @ turn.T
+        start, along = (turn @ (origin - world_box[:3, 3]))[:, None], turn @ directions.T
         with np.errstate(divide="ignore", invalid="ignore"):
-            first, second = (-half - start) / along, (half - start) / along
-        enter = np.minimum(first, second).max(axis=1)
-        leave = np.maximum(first, second).min(axis=1)
+            first, second = (-half[:, None] - start) / along, (half[:, None] - start) / along
+        enter = np.minimum(first, second).max(axis=0)
+        leave = np.maximum(first, second).min(axis=0)
         met = (enter <= leave) & (enter > 0) & (enter < reach)
         reach[met], what[met] = enter[met], number
     return reach, what

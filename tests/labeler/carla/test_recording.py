@@ -3,6 +3,7 @@
 import json
 import sys
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +26,7 @@ pytest.importorskip("embreex", reason="needs embreex, of the extras `carla` and 
 SMALL = CarlaConfig(
     vehicles=3, frames=3, width_px=240, height_px=120, lidar_channels=24, lidar_columns=180, warm_up_s=0.3, timeout_s=5
 )
+TINY = replace(SMALL, width_px=64, height_px=64, lidar_channels=4, lidar_columns=90)
 OLD_WORLD = (Settings(), "storm", {}, set[int](), False)
 
 
@@ -57,20 +59,34 @@ def state_of(server: Server) -> Any:
     return server.settings, server.weather, server.actors, server.hidden_scenery, server.traffic_synchronous
 
 
-@pytest.fixture
-def server() -> Iterator[Server]:
+def server_of(version: str = "0.9.16") -> Server:
     """Room for three vehicles, 20 m and more apart, so that none hides another, nor the ego car's own body one."""
-    made = Server()
+    made = Server(version)
     made.spawn_points = [
         Transform(Location(50.0, 20.0, 0.0), Rotation(yaw=40.0)),
         Transform(Location(66.0, 33.0, 0.0), Rotation(yaw=10.0)),
         Transform(Location(35.0, 38.0, 0.0), Rotation(yaw=120.0)),
     ]
+    return made
+
+
+@pytest.fixture
+def server() -> Iterator[Server]:
+    made = server_of()
     yield made
     made.close()
 
 
-def record(server: Server, folder: Path, config: CarlaConfig = SMALL, progress: Any = None) -> Recorded:
+@pytest.fixture(scope="module")
+def recorded_drive(tmp_path_factory: pytest.TempPathFactory) -> Drive:
+    """A drive that is only read."""
+    server, folder = server_of(), tmp_path_factory.mktemp("carla") / "drive"
+    record(server, folder, SMALL)
+    server.close()
+    return open_drive(folder)
+
+
+def record(server: Server, folder: Path, config: CarlaConfig = TINY, progress: Any = None) -> Recorded:
     return record_drive(module_of(server), folder, config, progress or Silent())
 
 
@@ -88,7 +104,7 @@ def test_the_drive_opens(server: Server, tmp_path: Path) -> None:
     assert (recorded.moments, recorded.warnings, drive.warnings) == (3, (), ())
     assert drive.format == "argoverse2"
     assert [camera.name for camera in drive.cameras] == ["front", "left", "rear", "right"]
-    assert {(camera.width_px, camera.height_px) for camera in drive.cameras} == {(240, 120)}
+    assert {(camera.width_px, camera.height_px) for camera in drive.cameras} == {(64, 64)}
     assert [len(frame.images) for frame in drive.frames] == [4, 4, 4]
     assert np.diff([frame.timestamp_ns for frame in drive.frames]).tolist() == [100_000_000, 100_000_000]
     about = json.loads((tmp_path / "drive" / "simulation.json").read_text("utf-8"))
@@ -96,10 +112,9 @@ def test_the_drive_opens(server: Server, tmp_path: Path) -> None:
     assert [entry.name for entry in tmp_path.iterdir()] == ["drive"]
 
 
-def test_3d_boxes_project_onto_the_pixels_that_show_them(server: Server, tmp_path: Path) -> None:
+def test_3d_boxes_project_onto_the_pixels_that_show_them(recorded_drive: Drive) -> None:
     """The fake drew the images in left-handed frames; the drive's boxes, poses and calibration must lead back there."""
-    record(server, tmp_path / "drive")
-    drive = open_drive(tmp_path / "drive")
+    drive = recorded_drive
     in_2d, in_3d = truth_of(drive)
     assert in_2d.visible_xyxy_px is not None
     corners_m = corners_of(in_3d.center_m, in_3d.size_m, in_3d.yaw_rad)
@@ -123,9 +138,8 @@ def test_3d_boxes_project_onto_the_pixels_that_show_them(server: Server, tmp_pat
     assert compared >= 6
 
 
-def test_sweeps_lie_on_the_ground_and_on_vehicles(server: Server, tmp_path: Path) -> None:
-    record(server, tmp_path / "drive")
-    drive = open_drive(tmp_path / "drive")
+def test_sweeps_lie_on_the_ground_and_on_vehicles(recorded_drive: Drive) -> None:
+    drive = recorded_drive
     _, in_3d = truth_of(drive)
     sweep_file = drive.frames[0].sweep
     assert sweep_file is not None
@@ -141,27 +155,24 @@ def test_sweeps_lie_on_the_ground_and_on_vehicles(server: Server, tmp_path: Path
     assert (np.abs(xyz_m[:, :2]) > [2.4, 1.1]).any(axis=1).all(), "no point on the own car"
 
 
-def test_poses_follow_the_ego_car(server: Server, tmp_path: Path) -> None:
-    """2 m/s for 0.1 s each along its own x axis; standing vehicles would not move in the city's frame."""
-    record(server, tmp_path / "drive")
-    poses = open_drive(tmp_path / "drive").poses
+def test_poses_follow_the_ego_car(recorded_drive: Drive) -> None:
+    """2 m/s for 0.1 s each along its own x axis, from one of the places where vehicles can start."""
+    poses = recorded_drive.poses
     assert poses is not None
     steps = np.diff(poses.city_SE3_ego[:, :3, 3], axis=0)
     assert np.linalg.norm(steps, axis=1) == pytest.approx([0.2, 0.2])
     assert steps[0] / 0.2 == pytest.approx(poses.city_SE3_ego[0, :3, 0])
-    starts = [(point.location.x, -point.location.y) for point in server.spawn_points]
+    starts = [(point.location.x, -point.location.y) for point in server_of().spawn_points]
     assert min(np.hypot(*(poses.city_SE3_ego[0, :2, 3] - start)) for start in starts) < 2
 
 
 @pytest.mark.parametrize("version", ["0.9.12", "0.9.15"])
-def test_older_servers_give_the_same_boxes(server: Server, tmp_path: Path, version: str) -> None:
+def test_older_servers_give_the_same_boxes(recorded_drive: Drive, tmp_path: Path, version: str) -> None:
     """Without actors' numbers in the instance camera, visible parts come from depth and semantics."""
-    record(server, tmp_path / "new")
-    older = Server(version)
-    older.spawn_points = [Transform(Location(50.0, 20.0), Rotation(yaw=40.0)), *server.spawn_points[1:]]
-    record(older, tmp_path / "old")
+    older = server_of(version)
+    record(older, tmp_path / "old", SMALL)
     older.close()
-    (new, _), (old, _) = truth_of(open_drive(tmp_path / "new")), truth_of(open_drive(tmp_path / "old"))
+    (new, _), (old, _) = truth_of(recorded_drive), truth_of(open_drive(tmp_path / "old"))
     assert old.visible_xyxy_px is not None
     assert new.visible_xyxy_px is not None
     assert old.camera == new.camera
