@@ -6,7 +6,7 @@ from labeler.simulation.car_body import BodyLayers
 from labeler.simulation.car_shapes import CarShape
 from labeler.simulation.textures import BODY, CHROME, HEADLAMP, PLATE, TAIL_LAMP, TRIM, WINDOW, Ink, Picture, TextureSet
 
-_SEAM = Ink((38, 38, 40), rough=0.6)
+_SEAM = Ink((18, 18, 19), rough=0.6)
 _ARCH = Ink((6, 6, 6), rough=0.95)
 _GRILLE = Ink((17, 17, 18), rough=0.5)
 _REVERSING_LAMP = Ink((225, 215, 205), rough=0.15)
