@@ -52,6 +52,8 @@ def record_carla(
         with TerminalProgress() as progress:
             recorded = record_drive(carla, out, config, progress)
     except KeyboardInterrupt as error:
+        for warning in error.args:
+            say(f"Warning: {warning}")
         kept = f"The moments recorded until then are in {out}." if out.exists() else "Nothing was recorded."
         say(f"Stopped. {kept}")
         raise typer.Exit(INTERRUPTED) from error

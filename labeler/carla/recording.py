@@ -62,7 +62,7 @@ def record_drive(carla: Any, folder: Path, config: CarlaConfig, progress: Progre
     The server is left as it was found, whatever happens, but that it keeps showing the town. CarlaError when the
     server can't be reached or used, or fails, when embreex is missing, or when ``folder`` can't be written;
     SimulationError when ``folder`` is there. When the server fails or Ctrl-C is pressed, the moments that were recorded
-    until then become a drive."""
+    until then become a drive; a KeyboardInterrupt then carries what could not be undone."""
     require_free(folder)
     _require_embree()
     progress.stage("Connecting to CARLA", 1)
@@ -79,9 +79,9 @@ def record_drive(carla: Any, folder: Path, config: CarlaConfig, progress: Progre
             for _ in range(config.frames):
                 recorder.record_moment()
                 progress.advance()
-    except KeyboardInterrupt:
+    except KeyboardInterrupt as stop:
         recorder.publish()
-        raise
+        raise KeyboardInterrupt(*_not_restored(borrowed)) from stop
     except (RuntimeError, CarlaError) as error:
         recorder.publish()
         raise CarlaError(_failure(error, recorder, borrowed)) from error
@@ -163,8 +163,9 @@ class _Recorder:
     def _opened_log(self) -> SimulatedLog:
         """Opened at the first moment, so that nothing is left where there is none."""
         if self._log is None:
-            self._log = SimulatedLog(self.folder, self._about(), jpeg_quality=self._config.jpeg_quality)
-            self._log.write_calibration(self._rig)
+            log = SimulatedLog(self.folder, self._about(), jpeg_quality=self._config.jpeg_quality)
+            log.write_calibration(self._rig)
+            self._log = log
         return self._log
 
     def _about(self) -> dict[str, object]:

@@ -212,6 +212,13 @@ def test_ctrl_c_keeps_whole_moments_and_restores_the_world(server: Server, tmp_p
     assert state_of(server) == OLD_WORLD
 
 
+def test_ctrl_c_carries_what_could_not_be_undone(server: Server, tmp_path: Path) -> None:
+    server.fail_at_frame, server.error = 45, KeyboardInterrupt()
+    server.broken_calls = ("destroy sensor.lidar.ray_cast",)
+    with pytest.raises(KeyboardInterrupt, match=r"sensor\.lidar\.ray_cast \d+ is still there \(rpc::timeout\)"):
+        record(server, tmp_path / "drive")
+
+
 def test_ctrl_c_before_the_first_moment_leaves_nothing(server: Server, tmp_path: Path) -> None:
     server.fail_at_frame, server.error = 42, KeyboardInterrupt()
     with pytest.raises(KeyboardInterrupt):
