@@ -5,6 +5,7 @@ PYTHON ?= python3
 DRIVE ?=
 MODEL ?=
 PYTEST_ARGS ?=
+EXTRAS ?= dev
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -68,5 +69,5 @@ $(VENV)/pyvenv.cfg:
 
 $(READY): $(VENV)/pyvenv.cfg pyproject.toml
 	@echo "Installing the Python packages (the first time takes a few minutes)"
-	@HINDSIGHT_SKIP_FRONTEND=1 $(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[dev]'
+	@HINDSIGHT_SKIP_FRONTEND=1 $(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[$(EXTRAS)]'
 	@mkdir -p .make && touch $(READY)
