@@ -91,7 +91,7 @@ def _decide(
     if forbidden is not None:
         state = MergeState.REJECTED
         reason = f"{seen}, but {_why_forbidden(forbidden, candidate, evidence, made)}"
-    elif candidate.score >= config.accept_score:
+    elif candidate.score >= config.accept_score and pair.agreeing_frames >= config.min_agreeing_frames:
         state, reason = MergeState.ACCEPTED, seen
     else:
         state, reason = MergeState.PROPOSED, f"{seen}; too unsure to merge without a person"

@@ -69,7 +69,8 @@ DISAGREE = {"front": [(1, CAR, 10.0)], "left": [(11, CAR, 30.0)]}
     [
         ([AGREE] * 3, [(1, 11, "accepted")]),  # always at one place
         ([DISAGREE] * 3, []),  # never
-        ([AGREE], [(1, 11, "accepted")]),  # a drive of one frame
+        ([AGREE], [(1, 11, "proposed")]),  # once may be chance: for a person
+        ([AGREE] * 2, [(1, 11, "accepted")]),  # twice is enough
         ([AGREE, AGREE, DISAGREE, DISAGREE], [(1, 11, "proposed")]),  # half of the time: for a person
         ([AGREE] + [DISAGREE] * 6, []),  # two objects that met once
         ([DISAGREE] * 6 + [AGREE], []),  # the same the other way round: frames before the first meeting count too
