@@ -57,7 +57,7 @@ export function EvaluationPage({ driveId }: { driveId: number }) {
         )}
         {!drive && !error && (
           <Center flex={1}>
-            <Loader aria-label={text.review.loading} />
+            <Loader role="img" aria-label={text.review.loading} />
           </Center>
         )}
       </main>

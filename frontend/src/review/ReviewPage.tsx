@@ -45,7 +45,7 @@ export function ReviewPage({ driveId }: { driveId: number }) {
         </Notice>
       ) : (
         <Center flex={1}>
-          <Loader aria-label={text.review.loading} />
+          <Loader role="img" aria-label={text.review.loading} />
         </Center>
       )}
     </div>

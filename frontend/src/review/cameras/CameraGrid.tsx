@@ -53,7 +53,7 @@ export function CameraGrid() {
     <section className={classes.stage} ref={ref}>
       {!committed && (
         <div className={classes.waiting}>
-          <Loader size="sm" aria-label={text.cameras.loading} />
+          <Loader size="sm" role="img" aria-label={text.cameras.loading} />
         </div>
       )}
       {committed &&
