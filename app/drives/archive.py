@@ -54,7 +54,9 @@ def unpack(archive: Path, target: Path, *, limits: UnpackLimits) -> None:
             _unpack_zip(archive, writer)
         else:
             _unpack_tar(archive, start, writer)
-    except (zipfile.BadZipFile, tarfile.TarError, zlib.error, lzma.LZMAError, EOFError, NotImplementedError) as error:
+    except NotImplementedError as error:  # zipfile's word for a method of compression that it does not know
+        raise BadArchive(f"The archive can't be read here: {error}. Pack it as an ordinary zip or tar.gz.") from error
+    except (zipfile.BadZipFile, tarfile.TarError, zlib.error, lzma.LZMAError, EOFError) as error:
         raise BadArchive(f"The archive is damaged: {error}. Pack it again and upload it again.") from error
     except OSError as error:
         raise _from_os_error(error) from error

@@ -196,6 +196,17 @@ def test_an_encrypted_zip_is_refused(tmp_path: Path) -> None:
         unpack(archive, tmp_path / "target", limits=LIMITS)
 
 
+def test_a_zip_with_an_unknown_compression_is_not_called_damaged(tmp_path: Path) -> None:
+    archive = _zip(tmp_path / "archive", {"a": b"x"})
+    content = bytearray(archive.read_bytes())
+    ppmd = 98
+    for signature, offset in ((b"PK\x03\x04", 8), (b"PK\x01\x02", 10)):
+        content[content.index(signature) + offset] = ppmd
+    archive.write_bytes(content)
+    with pytest.raises(BadArchive, match=r"compression method is not supported.*ordinary zip"):
+        unpack(archive, tmp_path / "target", limits=LIMITS)
+
+
 def test_a_full_disk_is_told(tmp_path: Path) -> None:
     limits = UnpackLimits(max_files=10, max_bytes=10**9, max_ratio=100.0, min_free_bytes=10**18)
     with pytest.raises(DiskFull):
