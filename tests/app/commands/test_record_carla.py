@@ -29,6 +29,7 @@ def test_a_recording(server: Server, tmp_path: Path) -> None:
 
 
 def test_ctrl_c_says_what_is_kept(server: Server, tmp_path: Path) -> None:
+    pytest.importorskip("embreex", reason="needs embreex, of the extras `carla` and `simulation`")
     server.fail_at_frame, server.error = 41, KeyboardInterrupt()
     result = CliRunner().invoke(main, ["record-carla", str(tmp_path / "drive"), *SMALL])
     assert result.exit_code == 130
