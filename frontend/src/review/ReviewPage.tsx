@@ -14,15 +14,15 @@ import { JobProgress } from "../drives/JobProgress";
 import { LabelButton } from "../drives/LabelButton";
 import { text } from "../strings";
 import { CameraGrid } from "./cameras/CameraGrid";
-import { Key, withKey } from "./Key";
-import { KeyHelp } from "./KeyHelp";
+import { Key, withKey } from "./keys/Key";
+import { KeyHelp } from "./keys/KeyHelp";
+import { useKeys } from "./keys/useKeys";
 import { ReviewProvider } from "./ReviewContext";
 import classes from "./ReviewPage.module.css";
 import { SidePanel } from "./SidePanel";
 import { SceneView } from "./scene/SceneView";
 import { Timeline } from "./timeline/Timeline";
 import { usePlayback } from "./timeline/usePlayback";
-import { useKeys } from "./useKeys";
 
 /** One drive: the pictures, what the machine says about them, and the decisions. */
 export function ReviewPage({ driveId }: { driveId: number }) {

@@ -3,7 +3,7 @@ import { IconArrowsDiagonal, IconArrowsDiagonalMinimize2 } from "@tabler/icons-r
 import { type MouseEvent, type PointerEvent, useEffect, useMemo, useRef } from "react";
 import type { DriveDetail, Observation } from "../../api/types";
 import { text } from "../../strings";
-import { withKey } from "../Key";
+import { withKey } from "../keys/Key";
 import { useReview, useShared } from "../ReviewContext";
 import classes from "./CameraView.module.css";
 import { drawBoxes } from "./drawBoxes";

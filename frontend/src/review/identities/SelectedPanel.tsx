@@ -8,7 +8,7 @@ import { Notice } from "../../app/Notice";
 import { text } from "../../strings";
 import { Crop } from "../cameras/Crop";
 import { identityColour } from "../cameras/palette";
-import { Key } from "../Key";
+import { Key } from "../keys/Key";
 import { useCommitted, useReview, useShared } from "../ReviewContext";
 import { useObservationsAt } from "../useObservationsAt";
 import { nearestFrame } from "./nearestFrame";

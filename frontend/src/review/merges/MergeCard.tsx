@@ -5,7 +5,7 @@ import { metres, score, sentence } from "../../app/format";
 import { text } from "../../strings";
 import { Crop } from "../cameras/Crop";
 import { identityColour } from "../cameras/palette";
-import { Key } from "../Key";
+import { Key } from "../keys/Key";
 import { useObservationsAt } from "../useObservationsAt";
 import classes from "./MergeCard.module.css";
 import { bestFrame } from "./order";

@@ -9,7 +9,7 @@ import type { MergeState } from "../../api/types";
 import { count } from "../../app/format";
 import { Notice } from "../../app/Notice";
 import { text } from "../../strings";
-import { Key } from "../Key";
+import { Key } from "../keys/Key";
 import { useReview, useShared } from "../ReviewContext";
 import { MergeCard } from "./MergeCard";
 import classes from "./MergesPanel.module.css";

@@ -2,7 +2,7 @@ import { ActionIcon, Loader, Tooltip, useComputedColorScheme } from "@mantine/co
 import { IconCube3dSphere, IconCubeOff, IconX } from "@tabler/icons-react";
 import { Notice } from "../../app/Notice";
 import { text } from "../../strings";
-import { withKey } from "../Key";
+import { withKey } from "../keys/Key";
 import classes from "./SceneView.module.css";
 import { useScene } from "./useScene";
 

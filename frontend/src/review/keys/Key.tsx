@@ -1,13 +1,16 @@
 import { Kbd } from "@mantine/core";
 import type { ReactNode } from "react";
+import { keyOf, useBindings } from "./bindings";
 import classes from "./Key.module.css";
-import { type Action, keyOf } from "./keyMap";
+import type { Action } from "./keyMap";
 
 /** The key of an action, as printed on the keyboard: beside the words of its button. */
 export function Key({ action }: { action: Action }) {
+  const shown = useBindings(({ bindings }) => keyOf(action, bindings));
+  if (!shown) return null;
   return (
     <Kbd size="xs" aria-hidden className={classes.key}>
-      {keyOf(action)}
+      {shown}
     </Kbd>
   );
 }

@@ -1,0 +1,110 @@
+/** Every key of the review page: what it does, and how it is listed. Whoever acts on one says so with `useActions`. */
+
+import { chordOf, type Pressed } from "./chord";
+
+export type Action =
+  | "previousFrame"
+  | "nextFrame"
+  | "back10"
+  | "forward10"
+  | "firstFrame"
+  | "lastFrame"
+  | "playPause"
+  | "nextMerge"
+  | "previousMerge"
+  | "accept"
+  | "reject"
+  | "undo"
+  | "goToDonor"
+  | "clear"
+  | "toggleScene"
+  | "enlarge"
+  | "zoomIn"
+  | "zoomOut"
+  | "zoomFit"
+  | "panLeft"
+  | "panRight"
+  | "panUp"
+  | "panDown"
+  | "help";
+
+export type KeyGroup = "move" | "decide" | "view";
+export const KEY_GROUPS: readonly KeyGroup[] = ["move", "decide", "view"];
+
+export interface KeyBinding {
+  action: Action;
+  /** Chords that do it unless the user chose others; the first is the one that buttons show. See chord.ts. */
+  keys: readonly string[];
+  group: KeyGroup;
+}
+
+export const KEY_MAP: readonly KeyBinding[] = [
+  { action: "previousFrame", keys: ["d", "ArrowLeft"], group: "move" },
+  { action: "nextFrame", keys: ["f", "ArrowRight"], group: "move" },
+  { action: "back10", keys: ["c"], group: "move" },
+  { action: "forward10", keys: ["v"], group: "move" },
+  { action: "firstFrame", keys: ["Home"], group: "move" },
+  { action: "lastFrame", keys: ["End"], group: "move" },
+  { action: "playPause", keys: [" "], group: "move" },
+  { action: "nextMerge", keys: ["j", "ArrowDown"], group: "decide" },
+  { action: "previousMerge", keys: ["k", "ArrowUp"], group: "decide" },
+  { action: "accept", keys: ["a", "Mod+Enter"], group: "decide" },
+  { action: "reject", keys: ["r"], group: "decide" },
+  { action: "undo", keys: ["u", "Mod+z"], group: "decide" },
+  { action: "goToDonor", keys: ["g"], group: "view" },
+  { action: "enlarge", keys: ["e"], group: "view" },
+  { action: "zoomIn", keys: ["+", "="], group: "view" },
+  { action: "zoomOut", keys: ["-"], group: "view" },
+  { action: "zoomFit", keys: ["0"], group: "view" },
+  { action: "panLeft", keys: ["Shift+ArrowLeft"], group: "view" },
+  { action: "panRight", keys: ["Shift+ArrowRight"], group: "view" },
+  { action: "panUp", keys: ["Shift+ArrowUp"], group: "view" },
+  { action: "panDown", keys: ["Shift+ArrowDown"], group: "view" },
+  { action: "toggleScene", keys: ["t"], group: "view" },
+  { action: "clear", keys: ["Escape"], group: "view" },
+  { action: "help", keys: ["?"], group: "view" },
+];
+
+export type Bindings = Readonly<Record<Action, readonly string[]>>;
+
+export const DEFAULT_BINDINGS = Object.fromEntries(
+  KEY_MAP.map((binding) => [binding.action, binding.keys]),
+) as unknown as Bindings;
+
+/** A key press, and what has the focus: keys that it uses itself are its own. */
+export interface KeyPress extends Pressed {
+  focus: { role: string | null; tag: string; editable: boolean };
+}
+
+/** Keys that controls with the focus use themselves. */
+const OWN_KEYS: Record<string, RegExp> = {
+  button: /^( |Enter)$/,
+  link: /^Enter$/,
+  checkbox: /^ $/,
+  switch: /^ $/,
+  tab: /^(Arrow.*|Home|End| |Enter)$/,
+  radio: /^(Arrow.*| )$/,
+  slider: /^(Arrow.*|Home|End|Page.*)$/,
+  separator: /^(Arrow.*|Home|End)$/,
+  menuitem: /./,
+  option: /./,
+  combobox: /./,
+  textbox: /./,
+};
+
+const TAG_ROLES: Record<string, string> = { BUTTON: "button", A: "link", SELECT: "combobox" };
+
+/** The action that a key press asks for, or null. */
+export function actionOf(press: KeyPress, bindings: Bindings = DEFAULT_BINDINGS): Action | null {
+  if (press.focus.editable) return null;
+  const chord = chordOf(press);
+  if (chord === null) return null;
+  const role = press.focus.role ?? TAG_ROLES[press.focus.tag] ?? "";
+  if (OWN_KEYS[role]?.test(chord)) return null;
+  return KEY_MAP.find(({ action }) => bindings[action].includes(chord))?.action ?? null;
+}
+
+/** Another action that has the chord already, or null. */
+export function conflictOf(bindings: Bindings, action: Action, chord: string): Action | null {
+  return KEY_MAP.find((other) => other.action !== action && bindings[other.action].includes(chord))?.action ?? null;
+}
