@@ -42,11 +42,14 @@ _SIZE = ("length_m", "width_m", "height_m")
 
 @dataclass(frozen=True)
 class Argoverse2SweepReader:
-    """Reads ``sensors/lidar/<timestamp_ns>.feather``: x, y, z in the ego frame and intensity, of any number type."""
+    """Reads ``sensors/lidar/<timestamp_ns>.feather``: x, y, z in the ego frame and intensity, of any number type, and
+    ``offset_ns`` where it is there."""
 
     def __call__(self, file: SweepFile) -> Sweep:
-        values = read_feather(file.path, ("x", "y", "z", "intensity")).floats("x", "y", "z", "intensity")
-        return checked_sweep(file, values[:, :3].astype(np.float32), values[:, 3].astype(np.float32))
+        table = read_feather(file.path, ("x", "y", "z", "intensity"))
+        values = table.floats("x", "y", "z", "intensity").astype(np.float32)
+        offset_ns = _offsets_ns(table) if table.has("offset_ns") else None
+        return checked_sweep(file, values[:, :3], values[:, 3], offset_ns)
 
 
 @dataclass(frozen=True)
@@ -138,6 +141,14 @@ def _read_poses(file: Path, warnings: list[str]) -> Poses | None:
     except DriveFileError as error:
         warnings.append(f"The drive is labelled without ego poses: {error}")
         return None
+
+
+def _offsets_ns(table: FeatherTable) -> NDArray[np.int32]:
+    """(N,) when each point was measured, less the sweep's time; 0 where a cell is empty or off by more than seconds."""
+    offset_ns = table.floats("offset_ns")[:, 0]
+    with np.errstate(invalid="ignore"):
+        usable = np.abs(offset_ns) < np.iinfo(np.int32).max
+    return np.where(usable, offset_ns, 0).astype(np.int32)
 
 
 def _se3(table: FeatherTable) -> NDArray[np.float64]:

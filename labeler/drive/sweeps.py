@@ -11,7 +11,12 @@ from labeler.drive.errors import DriveFileError
 from labeler.drive.types import Sweep, SweepFile
 
 
-def checked_sweep(file: SweepFile, xyz_m: NDArray[np.float32], intensity: NDArray[np.float32]) -> Sweep:
+def checked_sweep(
+    file: SweepFile,
+    xyz_m: NDArray[np.float32],
+    intensity: NDArray[np.float32],
+    offset_ns: NDArray[np.int32] | None = None,
+) -> Sweep:
     """A sweep of the points whose coordinates are finite; an intensity that is not finite becomes 0.
 
     An empty sweep is valid. DriveFileError when more than half of the points are not finite."""
@@ -22,7 +27,9 @@ def checked_sweep(file: SweepFile, xyz_m: NDArray[np.float32], intensity: NDArra
         raise _unusable(file.path, f"holds {bad:,} of {points:,} points that are not finite numbers")
     if bad:
         xyz_m, intensity = xyz_m[good], intensity[good]
-    return Sweep(file.timestamp_ns, xyz_m, np.nan_to_num(intensity, copy=False, nan=0.0, posinf=0.0, neginf=0.0))
+        offset_ns = None if offset_ns is None else offset_ns[good]
+    intensity = np.nan_to_num(intensity, copy=False, nan=0.0, posinf=0.0, neginf=0.0)
+    return Sweep(file.timestamp_ns, xyz_m, intensity, offset_ns)
 
 
 def read_float32_rows(path: Path, columns: int) -> NDArray[np.float32]:

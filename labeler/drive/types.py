@@ -77,16 +77,22 @@ class Frame:
 
 @dataclass(frozen=True, eq=False)
 class Sweep:
-    """LiDAR points of one sweep: ``xyz_m`` (N, 3) float32 in the ego frame, ``intensity`` (N,) float32 as recorded."""
+    """LiDAR points of one sweep: ``xyz_m`` (N, 3) float32 in the ego frame, ``intensity`` (N,) float32 as recorded.
+
+    ``offset_ns`` (N,) int32 is when each point was measured, less the sweep's time; None where that is not recorded.
+    The ego car's own motion is taken out of the points already; what moves besides lies where it was then."""
 
     timestamp_ns: int
     xyz_m: NDArray[np.float32]
     intensity: NDArray[np.float32]
+    offset_ns: NDArray[np.int32] | None = None
 
     def __post_init__(self) -> None:
         points = len(self.xyz_m)
         _require_shape("xyz_m", self.xyz_m, (points, 3))
         _require_shape("intensity", self.intensity, (points,))
+        if self.offset_ns is not None:
+            _require_shape("offset_ns", self.offset_ns, (points,))
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
 
-from labeler.lidar.types import Boxes3D
+from labeler.lidar.types import Boxes3D, Positions3D
 from labeler.tracking.types import Observations
 
 
 @dataclass(frozen=True, eq=False)
 class CameraView:
-    """What one camera contributes to a frame: the tracks' observations, and 3D boxes made from its painted points."""
+    """What one camera contributes to a frame: the tracks' observations, 3D boxes made from its painted points, and
+    where its detections stand."""
 
     observations: Observations
     boxes_3d: Boxes3D
+    positions: Positions3D = field(default_factory=Positions3D.empty)
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,6 +11,7 @@ the others.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,7 +21,8 @@ from scipy.sparse.csgraph import connected_components
 
 from labeler.detection.types import Detections
 from labeler.lidar.config import LidarConfig
-from labeler.lidar.painting import PaintedPoints, View
+from labeler.lidar.painting.by_boxes import PaintedPoints
+from labeler.lidar.painting.view import View
 
 _DEEPER_SPREAD = 0.35
 _NEARER_SPREAD = 0.5
@@ -29,13 +31,13 @@ _LONGER = 1.4
 
 @dataclass(frozen=True, eq=False)
 class Clusters:
-    """Painted points split into objects: at most one cluster for each detection.
+    """Points split into objects: at most one cluster for each detection of a camera.
 
-    ``points`` are the painted points that belong to an object, sorted by cluster; ``start`` (C + 1,) int64 where each
-    cluster begins; ``detection_index`` (C,) int32 increasing.
+    ``row`` (P,) int32 are the rows of points that belong to an object, sorted by cluster; ``start`` (C + 1,) int64
+    where each cluster begins; ``detection_index`` (C,) int32 increasing.
     """
 
-    points: PaintedPoints
+    row: NDArray[np.int32]
     start: NDArray[np.int64]
     detection_index: NDArray[np.int32]
 
@@ -45,6 +47,17 @@ class Clusters:
     @property
     def num_points(self) -> NDArray[np.int64]:
         return np.diff(self.start)
+
+    def rows_of(self, cluster: int) -> NDArray[np.int32]:
+        """The rows of one cluster's points."""
+        return self.row[self.start[cluster] : self.start[cluster + 1]]
+
+    @staticmethod
+    def of(rows_of: Mapping[int, NDArray[np.integer]]) -> Clusters:
+        """From the rows of each detection's points."""
+        parts = [rows.astype(np.int32) for _, rows in sorted(rows_of.items())]
+        start = np.cumsum([0, *(len(part) for part in parts)], dtype=np.int64)
+        return Clusters(np.concatenate([np.zeros(0, np.int32), *parts]), start, np.array(sorted(rows_of), np.int32))
 
 
 def cluster_painted_points(
@@ -95,15 +108,22 @@ def _components(painted: PaintedPoints, config: LidarConfig) -> NDArray[np.int32
     """(M,) a number for each painted point, the same for points of one box that hang together seen from above."""
     if not len(painted):
         return np.zeros(0, np.int32)
-    starts = np.flatnonzero(np.diff(painted.detection_index, prepend=-1))
-    counts = np.diff(starts, append=len(painted))
-    distance_m = np.linalg.norm(painted.xyz_m[:, :2], axis=1)
+    return connected_parts(painted.xyz_m, painted.detection_index, config)
+
+
+def connected_parts(xyz_m: NDArray[np.float32], owner: NDArray[np.int32], config: LidarConfig) -> NDArray[np.int32]:
+    """(M,) a number for each of M points, at least one, the same for points of one owner that hang together seen from
+    above: whose cells of a grid touch. ``owner`` (M,) must be sorted; the farther its points, the wider its cells.
+    """
+    starts = np.flatnonzero(np.diff(owner, prepend=-1))
+    counts = np.diff(starts, append=len(owner))
+    distance_m = np.hypot(xyz_m[:, 0], xyz_m[:, 1])
     mean_distance_m = np.add.reduceat(distance_m, starts) / counts
     cell_m = np.repeat(config.cluster_gap_m + config.cluster_gap_per_m * mean_distance_m, counts)
-    place = np.floor(painted.xyz_m[:, :2] / cell_m[:, None]).astype(np.int64)
+    place = np.floor(xyz_m[:, :2] / cell_m[:, None]).astype(np.int64)
     place -= place.min(axis=0) - 1
     stride = int(place.max()) + 2
-    key = (painted.detection_index.astype(np.int64) * stride + place[:, 0]) * stride + place[:, 1]
+    key = (owner.astype(np.int64) * stride + place[:, 0]) * stride + place[:, 1]
     cells, cell_of_point = np.unique(key, return_inverse=True)
     ends: list[NDArray[np.int64]] = []
     for step in (1, stride - 1, stride, stride + 1):
@@ -164,7 +184,6 @@ def _without_depth(painted: PaintedPoints, rows: NDArray[np.intp], longest_m: fl
 
 
 def _gather(painted: PaintedPoints, chosen: dict[int, NDArray[np.intp]], config: LidarConfig) -> Clusters:
-    kept = {detection: rows for detection, rows in sorted(chosen.items()) if len(rows) >= config.min_points}
-    rows = np.concatenate([np.zeros(0, np.intp), *kept.values()])
-    start = np.cumsum([0, *(len(part) for part in kept.values())], dtype=np.int64)
-    return Clusters(painted[rows], start, np.array(list(kept), np.int32))
+    return Clusters.of(
+        {detection: painted.row[rows] for detection, rows in chosen.items() if len(rows) >= config.min_points}
+    )

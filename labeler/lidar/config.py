@@ -24,12 +24,29 @@ USUAL_SIZE_M: Mapping[str, tuple[float, float, float]] = MappingProxyType(
 
 DEFAULT_SIZE_M = (1.0, 1.0, 1.2)
 
+SIZE_SPREAD: Mapping[str, tuple[float, float, float]] = MappingProxyType(
+    {
+        "car": (0.1, 0.06, 0.1),
+        "truck": (0.3, 0.1, 0.25),
+        "bus": (0.2, 0.06, 0.12),
+        "train": (0.4, 0.1, 0.1),
+        "motorcycle": (0.12, 0.2, 0.15),
+        "bicycle": (0.1, 0.2, 0.12),
+        "person": (0.3, 0.3, 0.1),
+    }
+)
+"""How far the sizes of a class differ: the standard deviation as a share of the usual length, width and height. A car
+is anything from a small one to a van, a truck anything from a pickup to a lorry with a trailer."""
+
+DEFAULT_SPREAD = (0.3, 0.3, 0.3)
+
 
 @dataclass(frozen=True)
 class LidarConfig:
     """How points are painted, split into objects and boxed. Plain values, so that it can be hashed as JSON.
 
-    ``min_detection_score``: weaker detections paint nothing. ``min_points``: fewer points give no box.
+    ``method`` names how boxes are made, see :mod:`labeler.lidar.makers`. ``min_detection_score``: weaker detections
+    paint nothing. ``min_points``: fewer points give no box.
     ``margin``: how far around a box, as a share of its longer side, is looked for what reaches out of it.
     ``max_distance_m``: points farther from the ego origin in x or y are left out.
     ``ground_cell_m``: side of the finest cells of the ground. ``ground_slope``: the steepest ground, as rise over run;
@@ -41,6 +58,7 @@ class LidarConfig:
     ``yaw_step_deg``, ``closeness_floor_m`` and ``max_fit_points`` govern the search for the yaw.
     """
 
+    method: str = "clusters"
     min_detection_score: float = 0.1
     min_points: int = 4
     margin: float = 0.25
@@ -67,5 +85,12 @@ class LidarConfig:
 def usual_sizes_m(class_id: NDArray[np.integer], class_names: tuple[str, ...]) -> NDArray[np.float64]:
     """(N, 3) usual length, width and height of (N,) classes, indices into ``class_names``."""
     table = np.array([USUAL_SIZE_M.get(name, DEFAULT_SIZE_M) for name in class_names] + [DEFAULT_SIZE_M])
+    known = (class_id >= 0) & (class_id < len(class_names))
+    return table[np.where(known, class_id, len(class_names))]
+
+
+def size_spreads(class_id: NDArray[np.integer], class_names: tuple[str, ...]) -> NDArray[np.float64]:
+    """(N, 3) how far length, width and height of (N,) classes differ, as shares of the usual ones."""
+    table = np.array([SIZE_SPREAD.get(name, DEFAULT_SPREAD) for name in class_names] + [DEFAULT_SPREAD])
     known = (class_id >= 0) & (class_id < len(class_names))
     return table[np.where(known, class_id, len(class_names))]

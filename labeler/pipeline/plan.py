@@ -16,22 +16,24 @@ from itertools import groupby
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from labeler.detection import DetectionConfig, Detector
 from labeler.detection.classes import suppression_group_of
-from labeler.drive import Camera, Drive, ImageFile, Poses, SweepFile
+from labeler.drive import Camera, Drive, Frame, Poses, SweepFile
 from labeler.geometry.se3 import invert_se3
 from labeler.identity import IdentityConfig
 from labeler.lidar import LidarConfig
 from labeler.pipeline.artifacts import Artifacts, key_of
 from labeler.pipeline.detecting import DetectUnit
-from labeler.pipeline.units import DonorUnit, IdentityUnit, LabelUnit, LidarFrame, LidarUnit, TrackUnit
+from labeler.pipeline.lidar_units import LidarFrame, LidarUnit
+from labeler.pipeline.units import DonorUnit, IdentityUnit, LabelUnit, TrackUnit
 from labeler.propagation import PropagationConfig
 from labeler.tracking import TrackingConfig
 
 CLIP_FRAMES = 16
 TRACK_IDS_PER_CAMERA = 1_000_000
+LONGEST_LOAN_NS = 250_000_000
+"""A frame without a sweep takes the nearest one in time, if it is no farther than this."""
 
 
 @dataclass(frozen=True)
@@ -100,20 +102,16 @@ def detect_units(
 def lidar_units(
     drive: Drive, clips: Clips, classes: Classes, config: LidarConfig, *, artifacts: Artifacts
 ) -> list[LidarUnit]:
-    """A unit for each clip that has sweeps; none when no camera is calibrated."""
+    """A unit for each clip of frames; none when no camera is calibrated."""
     cameras = tuple(camera for camera in drive.cameras if camera.calibration is not None)
     rig = [(camera.name, *_calibration_key(camera)) for camera in cameras]
     reader = blake2b(pickle.dumps(drive.read_sweep), digest_size=16).hexdigest()
+    sweeps = _nearest_sweeps(drive)
     planned: list[LidarUnit] = []
     if not cameras:
         return planned
-    with_sweep = (frame for frame in drive.frames if frame.sweep is not None)
-    for clip, group in groupby(with_sweep, key=lambda frame: frame.index // CLIP_FRAMES):
-        frames = tuple(
-            LidarFrame(frame.index, frame.sweep, _ego_motion(drive.poses, frame.sweep, frame.images))
-            for frame in group
-            if frame.sweep is not None
-        )
+    for clip, group in groupby(drive.frames, key=lambda frame: frame.index // CLIP_FRAMES):
+        frames = tuple(_lidar_frame(frame, sweeps[frame.index], drive.poses) for frame in group)
         detections = clips.of_clip(clip)
         key = key_of(
             config,
@@ -121,8 +119,8 @@ def lidar_units(
             rig,
             reader,
             {camera: path.name for camera, path in detections.items()},
-            [(frame.frame_index, _motion_key(frame)) for frame in frames],
-            artifacts.content_hash(frame.sweep.path for frame in frames),
+            [(frame.frame_index, frame.timestamp_ns, _motion_key(frame)) for frame in frames],
+            artifacts.content_hash(frame.sweep.path for frame in frames if frame.sweep is not None),
         )
         planned.append(LidarUnit(key, frames, cameras, detections, drive.read_sweep, config, classes.names))
     return planned
@@ -169,15 +167,38 @@ def _calibration_key(camera: Camera) -> tuple[list[float], list[float]]:
     return camera.calibration.intrinsics.ravel().tolist(), camera.calibration.ego_SE3_camera.ravel().tolist()
 
 
-def _motion_key(frame: LidarFrame) -> dict[str, list[float]]:
-    return {camera: matrix.ravel().tolist() for camera, matrix in frame.camera_ego_SE3_sweep_ego.items()}
+def _motion_key(frame: LidarFrame) -> tuple[int | None, list[float], dict[str, list[float]]]:
+    return (
+        None if frame.sweep is None else frame.sweep.timestamp_ns,
+        frame.frame_ego_SE3_sweep_ego.ravel().tolist(),
+        {camera: matrix.ravel().tolist() for camera, matrix in frame.image_ego_SE3_frame_ego.items()},
+    )
 
 
-def _ego_motion(
-    poses: Poses | None, sweep: SweepFile, images: Mapping[str, ImageFile]
-) -> dict[str, NDArray[np.float64]]:
-    """For each camera the transform of the car's frame at the sweep's time to that at the image's; identity unposed."""
-    if poses is None:
-        return {camera: np.eye(4) for camera in images}
-    city_SE3_sweep_ego = poses.at(sweep.timestamp_ns)
-    return {camera: invert_se3(poses.at(file.timestamp_ns)) @ city_SE3_sweep_ego for camera, file in images.items()}
+def _nearest_sweeps(drive: Drive) -> list[SweepFile | None]:
+    """For each frame its own sweep, else the nearest in time of another frame, where that is near enough."""
+    sweeps = [frame.sweep for frame in drive.frames if frame.sweep is not None]
+    times = np.array([sweep.timestamp_ns for sweep in sweeps], np.int64)
+    chosen: list[SweepFile | None] = []
+    for frame in drive.frames:
+        sweep = frame.sweep
+        if sweep is None and len(sweeps):
+            off_ns = np.abs(times - frame.timestamp_ns)
+            nearest = int(off_ns.argmin())
+            sweep = sweeps[nearest] if off_ns[nearest] <= LONGEST_LOAN_NS else None
+        chosen.append(sweep)
+    return chosen
+
+
+def _lidar_frame(frame: Frame, sweep: SweepFile | None, poses: Poses | None) -> LidarFrame:
+    """Without poses, the car is taken to stand still between its sensors' readings."""
+    own, images = np.eye(4), {camera: np.eye(4) for camera in frame.images}
+    if poses is not None:
+        city_SE3_frame_ego = poses.at(frame.timestamp_ns)
+        if sweep is not None and sweep.timestamp_ns != frame.timestamp_ns:
+            own = invert_se3(city_SE3_frame_ego) @ poses.at(sweep.timestamp_ns)
+        images = {
+            camera: invert_se3(poses.at(file.timestamp_ns)) @ city_SE3_frame_ego
+            for camera, file in frame.images.items()
+        }
+    return LidarFrame(frame.index, frame.timestamp_ns, sweep, own, images)

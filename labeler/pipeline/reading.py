@@ -12,7 +12,8 @@ from typing import TypeVar
 import numpy as np
 
 from labeler.identity import CameraView, MultiCameraFrame
-from labeler.lidar import Boxes3D
+from labeler.lidar import Boxes3D, Positions3D
+from labeler.pipeline.lidar_units import boxes_of, positions_of
 from labeler.pipeline.tables import Columns, read_batches, read_note, rows_by_frame, rows_of
 from labeler.pipeline.types import LabelledFrame, LabelledView
 from labeler.propagation import Labels
@@ -28,15 +29,13 @@ def read_observations(path: Path) -> Iterator[tuple[int, Observations]]:
 
 
 def read_views(tracks: Mapping[str, Path], boxes_3d: Sequence[Path]) -> Iterator[MultiCameraFrame]:
-    """Every frame in which anything was seen: the observations of each camera, and its 3D boxes."""
+    """Every frame in which anything was seen: the observations of each camera, its 3D boxes and positions."""
     streams = {camera: read_observations(path) for camera, path in tracks.items()}
-    boxes = _BoxReader(boxes_3d)
+    located = _LocatedReader(boxes_3d)
     for frame_index, seen in _in_step(streams):
-        found = boxes.at(frame_index)
-        views = {
-            camera: CameraView(observations, found.get(camera, Boxes3D.empty()))
-            for camera, observations in seen.items()
-        }
+        found = located.at(frame_index)
+        nothing = Boxes3D.empty(), Positions3D.empty()
+        views = {camera: CameraView(observations, *found.get(camera, nothing)) for camera, observations in seen.items()}
         yield MultiCameraFrame(frame_index, views)
 
 
@@ -54,14 +53,14 @@ def read_labelled_frames(
         yield LabelledFrame(view.frame_index, views)
 
 
-class _BoxReader:
-    """3D boxes by frame, for frames that are asked for in order."""
+class _LocatedReader:
+    """3D boxes and positions of each camera by frame, for frames that are asked for in order."""
 
     def __init__(self, paths: Sequence[Path]) -> None:
-        self._frames = (item for path in paths for item in _boxes_by_frame(path))
+        self._frames = (item for path in paths for item in _located_by_frame(path))
         self._next = next(self._frames, None)
 
-    def at(self, frame_index: int) -> Mapping[str, Boxes3D]:
+    def at(self, frame_index: int) -> Mapping[str, tuple[Boxes3D, Positions3D]]:
         while self._next is not None and self._next[0] < frame_index:
             self._next = next(self._frames, None)
         if self._next is None or self._next[0] != frame_index:
@@ -69,14 +68,15 @@ class _BoxReader:
         return self._next[1]
 
 
-def _boxes_by_frame(path: Path) -> Iterator[tuple[int, dict[str, Boxes3D]]]:
+def _located_by_frame(path: Path) -> Iterator[tuple[int, dict[str, tuple[Boxes3D, Positions3D]]]]:
     cameras: list[str] = read_note(path)["cameras"]
     for frame_index, rows in rows_by_frame(read_batches(path)):
-        boxes: dict[str, Boxes3D] = {}
+        located: dict[str, tuple[Boxes3D, Positions3D]] = {}
         for number in np.unique(rows["camera"]):
             chosen = rows["camera"] == number
-            boxes[cameras[number]] = rows_of(Boxes3D, {name: column[chosen] for name, column in rows.items()})
-        yield frame_index, boxes
+            of_camera = {name: column[chosen] for name, column in rows.items()}
+            located[cameras[number]] = boxes_of(of_camera), positions_of(of_camera)
+        yield frame_index, located
 
 
 def _in_step(streams: Mapping[str, Iterator[tuple[int, Item]]]) -> Iterator[tuple[int, dict[str, Item]]]:

@@ -21,6 +21,7 @@ from labeler.pipeline import plan
 from labeler.pipeline.artifacts import Artifacts, key_of
 from labeler.pipeline.detecting import detect
 from labeler.pipeline.executors import Executor, open_executor
+from labeler.pipeline.lidar_units import LIDAR
 from labeler.pipeline.memory import PeakMemory
 from labeler.pipeline.reading import read_labelled_frames
 from labeler.pipeline.results import keep_detections
@@ -36,7 +37,7 @@ from labeler.pipeline.types import (
     Summary,
     TrackSummary,
 )
-from labeler.pipeline.units import DONORS, IDENTITY, LABELS, LIDAR, TRACK, read_donors, read_identities
+from labeler.pipeline.units import DONORS, IDENTITY, LABELS, TRACK, read_donors, read_identities
 
 
 def label_drive(
@@ -184,7 +185,7 @@ def _warnings(drive: Drive, results: _Results) -> list[str]:
     for paths in (*results.detections.values(), results.boxes_3d):
         for path in paths:
             warnings.extend(read_note(path)["warnings"])
-    if len(results.tracks) > 1 and not results.boxes_3d:
+    if len(results.tracks) > 1 and not (drive.has_lidar and results.boxes_3d):
         warnings.append(
             "This drive has no LiDAR with calibrated cameras, so tracks of different cameras can't be merged."
         )

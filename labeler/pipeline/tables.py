@@ -18,19 +18,21 @@ import pyarrow
 from numpy.typing import NDArray
 
 from labeler.detection.types import Detections
-from labeler.lidar.types import Boxes3D
+from labeler.lidar.types import Boxes3D, Positions3D
 from labeler.propagation.types import Labels
 from labeler.tracking.types import Observations
 
 Columns = Mapping[str, NDArray[Any]]
-Table = TypeVar("Table", Detections, Observations, Boxes3D, Labels)
+Table = TypeVar("Table", Detections, Observations, Boxes3D, Positions3D, Labels)
 
 _NOTE = b"note"
 
 pa: Any = pyarrow  # its types are partial
 
 
-def columns_of(rows: Detections | Observations | Boxes3D | Labels, **more: NDArray[Any]) -> dict[str, NDArray[Any]]:
+def columns_of(
+    rows: Detections | Observations | Boxes3D | Positions3D | Labels, **more: NDArray[Any]
+) -> dict[str, NDArray[Any]]:
     """The arrays of a dataclass by field name, and ``more`` columns beside them."""
     return {field.name: getattr(rows, field.name) for field in fields(rows)} | more
 

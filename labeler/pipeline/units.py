@@ -8,14 +8,10 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from numpy.typing import NDArray
 from pydantic import TypeAdapter
 
-from labeler.detection import Detections
-from labeler.drive import Camera, DriveFileError, SweepFile, SweepReader
 from labeler.identity import IdentityConfig, Merges, propose_merges
-from labeler.lidar import Boxes3D, LidarConfig, boxes_from_sweep, estimate_ground
 from labeler.pipeline.artifacts import write_json
 from labeler.pipeline.detecting import read_detections
 from labeler.pipeline.reading import read_observations, read_views
@@ -41,32 +37,6 @@ class TrackUnit:
 
 
 @dataclass(frozen=True)
-class LidarFrame:
-    """One sweep, and for each camera the motion of the car between the sweep's time and the image's."""
-
-    frame_index: int
-    sweep: SweepFile
-    camera_ego_SE3_sweep_ego: Mapping[str, NDArray[np.float64]]
-
-
-@dataclass(frozen=True)
-class LidarUnit:
-    """3D boxes of a clip of sweeps, for every calibrated camera; ``detections`` is that clip's artifact by camera."""
-
-    key: str
-    frames: tuple[LidarFrame, ...]
-    cameras: tuple[Camera, ...]
-    detections: Mapping[str, Path]
-    read_sweep: SweepReader
-    config: LidarConfig
-    class_names: tuple[str, ...]
-
-    @property
-    def effort(self) -> int:
-        return len(self.frames)
-
-
-@dataclass(frozen=True)
 class IdentityUnit:
     """Merges over the whole drive; ``tracks`` is each camera's artifact, ``boxes_3d`` are the clips' in order."""
 
@@ -83,38 +53,6 @@ def track(unit: TrackUnit, path: Path) -> None:
     tracker = open_tracker(unit.config, class_groups=unit.class_groups)
     observations = tracker.track(read_detections(unit.detections), first_track_id=unit.first_track_id)
     write_table(path, _batched(observations))
-
-
-def fit_lidar_boxes(unit: LidarUnit, path: Path) -> None:
-    """Write the 3D boxes of a clip. A sweep that can't be read is skipped and noted."""
-    detections = {
-        name: {frame.frame_index: frame.detections for frame in read_detections([file])}
-        for name, file in unit.detections.items()
-    }
-    parts = [_box_columns(Boxes3D.empty(), 0, 0)]
-    warnings: list[str] = []
-    for frame in unit.frames:
-        try:
-            sweep = unit.read_sweep(frame.sweep)
-        except DriveFileError as error:
-            warnings.append(str(error))
-            continue
-        ground = estimate_ground(sweep.xyz_m, unit.config)
-        for number, camera in enumerate(unit.cameras):
-            found = detections.get(camera.name, {}).get(frame.frame_index, Detections.empty())
-            if len(found):
-                boxes = boxes_from_sweep(
-                    sweep,
-                    found,
-                    camera,
-                    unit.config,
-                    class_names=unit.class_names,
-                    camera_ego_SE3_sweep_ego=frame.camera_ego_SE3_sweep_ego[camera.name],
-                    ground=ground,
-                )
-                parts.append(_box_columns(boxes, frame.frame_index, number))
-    cameras = [camera.name for camera in unit.cameras]
-    write_table(path, [concatenate(parts)], note={"cameras": cameras, "warnings": warnings})
 
 
 def find_identities(unit: IdentityUnit, path: Path) -> None:
@@ -176,7 +114,6 @@ def label_camera(unit: LabelUnit, path: Path) -> None:
 
 
 TRACK = Stage("track", 1, "arrow", track)
-LIDAR = Stage("lidar", 1, "arrow", fit_lidar_boxes)
 IDENTITY = Stage("identity", 1, "json", find_identities)
 DONORS = Stage("donors", 1, "json", choose_donors)
 LABELS = Stage("labels", 1, "arrow", label_camera)
@@ -217,8 +154,3 @@ def _batched(observations: Iterable[Observations]) -> Iterator[dict[str, NDArray
     frames = iter(observations)
     while some := list(islice(frames, _FRAMES_PER_BATCH)):
         yield concatenate([columns_of(frame) for frame in some])
-
-
-def _box_columns(boxes: Boxes3D, frame_index: int, camera: int) -> dict[str, NDArray[Any]]:
-    count = len(boxes)
-    return columns_of(boxes, frame_index=np.full(count, frame_index, np.int32), camera=np.full(count, camera, np.int16))

@@ -182,6 +182,11 @@ def _boxes_3d(tracks: Sequence[MadeTrack], camera: str, found: Observations) -> 
         class_id=np.zeros(count, np.int16),
         num_points=np.full(count, 30, np.int32),
         detection_index=np.array(detections, np.int32),
+        source=np.zeros(count, np.int8),
+        center_std_m=np.full((count, 2), 0.2, np.float32),
+        yaw_std_rad=np.full(count, 0.1, np.float32),
+        seen_m=np.tile(np.array([-2, -1, 2, 1], np.float32), (count, 1)),
+        offset_s=np.zeros(count, np.float32),
     )
 
 

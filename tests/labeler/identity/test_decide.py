@@ -44,6 +44,11 @@ def view(frame_index: int, objects: Sequence[Object]) -> CameraView:
         class_id=np.array([class_id for _, class_id, _ in solid], np.int16),
         num_points=np.full(len(solid), 10, np.int32),
         detection_index=np.array([detection for detection, _, _ in solid], np.int32),
+        source=np.zeros(len(solid), np.int8),
+        center_std_m=np.full((len(solid), 2), 0.2, np.float32),
+        yaw_std_rad=np.full(len(solid), 0.1, np.float32),
+        seen_m=np.tile(np.array([-2, -1, 2, 1], np.float32), (len(solid), 1)),
+        offset_s=np.zeros(len(solid), np.float32),
     )
     return CameraView(observations, boxes_3d)
 

@@ -17,6 +17,11 @@ def boxes(*places: tuple[float, float, float, float], size_m: tuple[float, float
         class_id=np.zeros(count, np.int16),
         num_points=np.full(count, 10, np.int32),
         detection_index=np.arange(count, dtype=np.int32),
+        source=np.zeros(count, np.int8),
+        center_std_m=np.full((count, 2), 0.2, np.float32),
+        yaw_std_rad=np.full(count, 0.1, np.float32),
+        seen_m=np.tile(np.array([-2, -1, 2, 1], np.float32), (count, 1)),
+        offset_s=np.zeros(count, np.float32),
     )
 
 

@@ -14,7 +14,7 @@ from labeler.drive.types import Calibration, Camera, Sweep
 from labeler.geometry.boxes_3d import corners_of
 from labeler.geometry.projection import project_points
 from labeler.geometry.se3 import se3
-from labeler.lidar import Boxes3D, LidarConfig, boxes_from_sweep, estimate_ground
+from labeler.lidar import Boxes3D, CameraInput, LidarConfig, View, open_box_maker, prepare_scene
 
 CONFIG = LidarConfig()
 CLASS_NAMES = ("person", "car", "bus")
@@ -68,8 +68,12 @@ def detections(*boxes: list[float], class_id: int = CAR) -> Detections:
 
 def fit(points: list[np.ndarray], found: Detections, camera: Camera = CAMERA) -> Boxes3D:
     xyz_m = np.concatenate([road(), *points]).astype(np.float32)
-    sweep = Sweep(0, xyz_m, np.zeros(len(xyz_m), np.float32))
-    return boxes_from_sweep(sweep, found, camera, CONFIG, class_names=CLASS_NAMES)
+    return make(Sweep(0, xyz_m, np.zeros(len(xyz_m), np.float32)), found, camera)
+
+
+def make(sweep: Sweep, found: Detections, camera: Camera = CAMERA) -> Boxes3D:
+    maker = open_box_maker(CONFIG, class_names=CLASS_NAMES)
+    return maker.boxes(prepare_scene(sweep, CONFIG), {"front": CameraInput(View.of(camera), found)})["front"]
 
 
 def off_deg(yaw_rad: float, yaw_deg: float) -> float:
@@ -156,9 +160,8 @@ def test_too_few_points_give_no_box(count: int):
 def test_nothing_in_gives_nothing_out():
     empty = Sweep(0, np.zeros((0, 3), np.float32), np.zeros(0, np.float32))
     found = detections([100, 100, 300, 200])
-    assert len(boxes_from_sweep(empty, found, CAMERA, CONFIG, class_names=CLASS_NAMES)) == 0
+    assert len(make(empty, found)) == 0
     assert len(fit([], Detections.empty())) == 0
-    assert len(fit([], found, Camera("front", 1200, 360, None))) == 0
 
 
 @settings(max_examples=60, deadline=None)
@@ -179,8 +182,16 @@ def test_boxes_are_finite_whatever_the_points(seed: int, count: int, spread_m: f
         rng.uniform(0, 1, 5).astype(np.float32),
         rng.integers(0, len(CLASS_NAMES), 5).astype(np.int16),
     )
-    boxes = boxes_from_sweep(sweep, found, CAMERA, CONFIG, class_names=CLASS_NAMES)
-    for array in (boxes.center_m, boxes.size_m, boxes.yaw_rad, boxes.score):
+    boxes = make(sweep, found)
+    for array in (
+        boxes.center_m,
+        boxes.size_m,
+        boxes.yaw_rad,
+        boxes.score,
+        boxes.center_std_m,
+        boxes.yaw_std_rad,
+        boxes.seen_m,
+    ):
         assert np.isfinite(array).all()
     assert (boxes.size_m > 0).all()
     assert (boxes.num_points >= CONFIG.min_points).all()
@@ -199,12 +210,11 @@ def test_true_boxes_of_a_real_drive_lead_to_the_true_places(tri_scene_01: Path):
     assert frame.sweep is not None
     sweep = drive.read_sweep(frame.sweep)
     places = {uuid: solid.center_m[i] for i, uuid in enumerate(solid.track_uuid) if solid.frame_index[i] == frame.index}
-    ground = estimate_ground(sweep.xyz_m, CONFIG)
     errors_m: list[float] = []
     for camera in drive.cameras:
         rows = [i for i, name in enumerate(flat.camera) if name == camera.name and flat.frame_index[i] == frame.index]
         found = detections(*[flat.xyxy_px[row].tolist() for row in rows])
-        boxes = boxes_from_sweep(sweep, found, camera, CONFIG, class_names=CLASS_NAMES, ground=ground)
+        boxes = make(sweep, found, camera)
         for center_m, index in zip(boxes.center_m, boxes.detection_index, strict=True):
             place_m = places.get(flat.track_uuid[rows[index]])
             if place_m is not None and np.hypot(*place_m[:2]) < 30:
@@ -226,6 +236,6 @@ def test_the_step_keeps_up_with_a_real_drive(kitti_0052: Path):
     seconds: list[float] = []
     for _ in range(5):
         begin = time.thread_time()
-        boxes_from_sweep(sweep, found, drive.cameras[0], CONFIG, class_names=CLASS_NAMES)
+        make(sweep, found, drive.cameras[0])
         seconds.append(time.thread_time() - begin)
     assert min(seconds) < 0.08

@@ -1,0 +1,136 @@
+"""Clusters grow over what their camera does not see of an object, so that two cameras come to the same points.
+
+An object that the image's border cuts has a detection of its visible part, and a cluster of that part's points. The
+rest of it is in the sweep too: unpainted points beyond that border that hang together with the cluster. Those are taken
+in, unless they belong to another object: one that this camera detected too, or one that another camera sees whole.
+
+Clusters of two cameras that then share most of their points are of one object, and are given the points of both.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from labeler.detection.types import Detections
+from labeler.lidar.clustering import Clusters, connected_parts
+from labeler.lidar.config import LidarConfig
+from labeler.lidar.painting.view import View
+
+_REACH = 1.2
+_SHARED = 0.5
+
+Member = tuple[str, int]
+"""A camera, and the number of one of its clusters."""
+
+
+@dataclass(frozen=True, eq=False)
+class CameraClusters:
+    """One camera's clusters, with what they were made from: ``sizes_m`` (N, 3) are the usual sizes of its N
+    detections, ``spreads`` (N, 3) how far they differ."""
+
+    view: View
+    detections: Detections
+    sizes_m: NDArray[np.float64]
+    spreads: NDArray[np.float64]
+    clusters: Clusters
+
+    def cut_sides(self) -> NDArray[np.bool_]:
+        """(C, 4) which sides of the image cut the detection of each cluster."""
+        return self.view.sides_cutting(self.detections.xyxy_px[self.clusters.detection_index])
+
+
+def grow_clusters(
+    cameras: Mapping[str, CameraClusters], xyz_m: NDArray[np.float32], config: LidarConfig
+) -> dict[str, CameraClusters]:
+    """The clusters of all cameras, those at an image's border grown. Rows of clusters count in (N, 3) ``xyz_m``, which
+    must be clear of the ground.
+    """
+    whole = {name: _rows_of_whole(camera, len(xyz_m)) for name, camera in cameras.items()}
+    grown: dict[str, CameraClusters] = {}
+    for name, camera in cameras.items():
+        taken = np.zeros(len(xyz_m), np.bool_)
+        for other, rows in whole.items():
+            if other != name:
+                taken |= rows
+        taken[camera.clusters.row] = True
+        grown[name] = replace(camera, clusters=_grown(camera, xyz_m, taken, config))
+    return grown
+
+
+def link_clusters(cameras: Mapping[str, CameraClusters], points: int) -> list[list[Member]]:
+    """The clusters of all cameras in groups of one object: those of different cameras that share at least half of the
+    points of the smaller, the most shared first. A group has at most one cluster of each camera. Rows of clusters are
+    below ``points``."""
+    group_of = {
+        (name, number): [(name, number)] for name, camera in cameras.items() for number in range(len(camera.clusters))
+    }
+    number_at = {name: _number_of_points(camera.clusters, points) for name, camera in cameras.items()}
+    pairs: list[tuple[float, Member, Member]] = []
+    for a, b in combinations(cameras, 2):
+        both = np.flatnonzero((number_at[a] >= 0) & (number_at[b] >= 0))
+        found, counts = np.unique(np.stack([number_at[a][both], number_at[b][both]]), axis=1, return_counts=True)
+        for first, second, count in zip(*found.tolist(), counts.tolist(), strict=True):
+            smaller = min(cameras[a].clusters.num_points[first], cameras[b].clusters.num_points[second])
+            if count >= _SHARED * smaller:
+                pairs.append((count / smaller, (a, first), (b, second)))
+    for _, a, b in sorted(pairs, key=lambda pair: (-pair[0], pair[1], pair[2])):
+        first, second = group_of[a], group_of[b]
+        if not {name for name, _ in first} & {name for name, _ in second}:
+            first.extend(second)
+            group_of.update((member, first) for member in second)
+    return list({id(group): group for group in group_of.values()}.values())
+
+
+def _number_of_points(clusters: Clusters, points: int) -> NDArray[np.int32]:
+    """(points,) the number of the cluster that each point belongs to, -1 for none."""
+    number = np.full(points, -1, np.int32)
+    number[clusters.row] = np.repeat(np.arange(len(clusters), dtype=np.int32), clusters.num_points)
+    return number
+
+
+def _rows_of_whole(camera: CameraClusters, count: int) -> NDArray[np.bool_]:
+    """(count,) which points belong to an object that this camera sees whole."""
+    rows = np.zeros(count, np.bool_)
+    for number in np.flatnonzero(~camera.cut_sides().any(axis=1)):
+        rows[camera.clusters.rows_of(int(number))] = True
+    return rows
+
+
+def _grown(
+    camera: CameraClusters, xyz_m: NDArray[np.float32], taken: NDArray[np.bool_], config: LidarConfig
+) -> Clusters:
+    """The camera's clusters, those that the border cuts with the free points beyond it that hang together with them."""
+    clusters = camera.clusters
+    rows_of = {int(detection): clusters.rows_of(number) for number, detection in enumerate(clusters.detection_index)}
+    free = np.flatnonzero(~taken)
+    parts: list[NDArray[np.int32]] = []
+    owners: list[NDArray[np.int32]] = []
+    cut_sides = camera.cut_sides()
+    cut = np.flatnonzero(cut_sides.any(axis=1)).tolist()
+    for number in cut:
+        seed = clusters.rows_of(number)
+        detection = int(clusters.detection_index[number])
+        reach_m = _REACH * float(camera.sizes_m[detection, :2].max())
+        low, high = xyz_m[seed].min(axis=0), xyz_m[seed].max(axis=0)
+        near = free[
+            (xyz_m[free, :2] >= low[:2] - reach_m).all(axis=1) & (xyz_m[free, :2] <= high[:2] + reach_m).all(axis=1)
+        ]
+        near = near[camera.view.beyond(xyz_m[near], cut_sides[number])]
+        parts.append(np.concatenate([seed, near.astype(np.int32)]))
+        owners.append(np.full(len(parts[-1]), number, np.int32))
+    if not parts:
+        return clusters
+    row, owner = np.concatenate(parts), np.concatenate(owners)
+    part = connected_parts(xyz_m[row], owner, config)
+    for number in cut:
+        mine = np.flatnonzero(owner == number)
+        seeds = len(clusters.rows_of(number))
+        joined = np.isin(part[mine], np.unique(part[mine[:seeds]]))
+        joined[:seeds] = True
+        rows_of[int(clusters.detection_index[number])] = row[mine[joined]]
+    return Clusters.of(rows_of)

@@ -1,0 +1,46 @@
+"""What a segmentation says about the classes that a detector knows."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+_VEHICLES = ("car", "truck", "bus", "train", "motorcycle", "bicycle")
+_PEOPLE = ("person", "rider", "pedestrian")
+
+
+class PixelScores(Protocol):
+    """Segmentation of one image: how surely a pixel shows each of its classes."""
+
+    @property
+    def class_names(self) -> tuple[str, ...]: ...
+
+    def at(self, pixels: NDArray[np.floating]) -> NDArray[np.float32]:
+        """(N, C) scores in 0..1 of (N, 2) pixels."""
+        ...
+
+
+def scores_of_classes(
+    scores: PixelScores, pixels: NDArray[np.floating], class_names: Sequence[str]
+) -> NDArray[np.float32]:
+    """(N, K) how surely each of (N, 2) pixels shows an object of each of K detector classes; 1 for a class that the
+    segmentation does not know.
+    """
+    found = scores.at(pixels)
+    shown = np.ones((len(pixels), len(class_names)), np.float32)
+    for number, name in enumerate(class_names):
+        planes = [plane for plane, known in enumerate(scores.class_names) if known.lower() in _meaning(name)]
+        if planes:
+            shown[:, number] = np.minimum(found[:, planes].sum(axis=1), 1.0)
+    return shown
+
+
+def _meaning(name: str) -> frozenset[str]:
+    """The classes of a segmentation that show an object of a detector's class. Detectors call a truck car and a car
+    truck, so all classes of vehicles speak for each of them."""
+    if name in _VEHICLES:
+        return frozenset((*_VEHICLES, "vehicle"))
+    return frozenset(_PEOPLE) if name in _PEOPLE else frozenset((name,))
