@@ -7,7 +7,7 @@ from fastapi.responses import Response
 
 from app.db.session import ReadSession
 from app.tracks import service
-from app.tracks.schemas import ObservationPage, Track
+from app.tracks.schemas import ObservationPage, ScoreRuns, Track
 
 router = APIRouter(prefix="/api/drives/{drive_id}", tags=["tracks"])
 
@@ -27,3 +27,9 @@ def list_observations(
 def list_tracks(drive_id: int, session: ReadSession) -> list[Track]:
     """All tracks of the drive, in order of id."""
     return service.list_tracks(session, drive_id)
+
+
+@router.get("/tracks/runs", response_model=ScoreRuns)
+def list_score_runs(drive_id: int, session: ReadSession) -> Response:
+    """When each track of the drive is seen, and how sure the detector was."""
+    return Response(service.score_runs_json(session, drive_id), media_type="application/json")

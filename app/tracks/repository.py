@@ -303,6 +303,16 @@ def _donors(
     }
 
 
+def scores_by_track(session: Session, labelling_id: int) -> list[tuple[int, int, float | None]]:
+    """Track, frame and score of every observation, in order of track and frame."""
+    query = (
+        select(ObservationRow.track_id, ObservationRow.frame_index, ObservationRow.score)
+        .where(ObservationRow.labelling_id == labelling_id)
+        .order_by(ObservationRow.track_id, ObservationRow.frame_index)
+    )
+    return [tuple(row) for row in session.execute(query)]
+
+
 def set_identity(session: Session, labelling_id: int, track_ids: Sequence[int], identity_id: int) -> None:
     """Put tracks into an identity."""
     session.execute(

@@ -65,3 +65,13 @@ class Track(BaseModel):
     best_score: float
     best_frame: int
     class_name: str
+
+
+class ScoreRuns(BaseModel):
+    """When each track is seen, and how sure the detector was: see :mod:`app.tracks.runs`."""
+
+    revision: int
+    runs: dict[int, list[int]] = Field(
+        description="By track id, three numbers a run: frames skipped since the run before, frames, and the mean score "
+        "in tenths, 10 where all boxes are filled in."
+    )

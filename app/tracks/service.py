@@ -1,5 +1,6 @@
 """Tracks and observations for the page."""
 
+import numpy as np
 from pydantic_core import to_json
 
 from app.db.session import Session
@@ -7,6 +8,7 @@ from app.drives import repository as drives_repository
 from app.errors import InvalidRequest, NotFound
 from app.tracks import repository
 from app.tracks.repository import LabelledFrames, LabelledObservation
+from app.tracks.runs import score_runs
 from app.tracks.schemas import Track
 
 MAX_FRAMES = 200
@@ -65,6 +67,18 @@ def list_tracks(session: Session, drive_id: int) -> list[Track]:
         )
         for row in repository.tracks_of(session, labelling.id)
     ]
+
+
+def score_runs_json(session: Session, drive_id: int) -> bytes:
+    """:class:`app.tracks.schemas.ScoreRuns` of all tracks as JSON; none before the drive is labelled."""
+    drive = drives_repository.find(session, drive_id)
+    if drive is None:
+        raise NotFound(f"There is no drive {drive_id}. It may have been deleted.")
+    labelling = repository.current_labelling(session, drive_id)
+    rows = [] if labelling is None else repository.scores_by_track(session, labelling.id)
+    columns = np.array(rows, np.float64).reshape(-1, 3)  # None becomes NaN
+    runs = score_runs(columns[:, 0].astype(np.int64), columns[:, 1].astype(np.int64), columns[:, 2])
+    return to_json({"revision": drive.revision, "runs": runs})
 
 
 def _observation(

@@ -2,7 +2,7 @@
 
 import { keepPreviousData, QueryClient, queryOptions } from "@tanstack/react-query";
 import { ApiError, api, unwrap } from "./client";
-import type { Drive, DriveDetail } from "./types";
+import type { Drive, DriveDetail, Track } from "./types";
 
 export const queryClient = new QueryClient({
   defaultOptions: {
@@ -47,6 +47,15 @@ export const tracksQuery = (id: number) =>
   queryOptions({
     queryKey: ["drive", id, "tracks"],
     queryFn: ({ signal }) => unwrap(api.GET("/api/drives/{drive_id}/tracks", { ...at(id), signal })),
+  });
+
+/** Asked for anew only when tracks have changed: merges leave them as they are. */
+export const scoreRunsQuery = (id: number, tracks: readonly Track[] = []) =>
+  queryOptions({
+    queryKey: ["score runs", id, tracks.length, tracks.reduce((sum, one) => sum + one.id * one.observation_count, 0)],
+    queryFn: ({ signal }) => unwrap(api.GET("/api/drives/{drive_id}/tracks/runs", { ...at(id), signal })),
+    staleTime: Number.POSITIVE_INFINITY,
+    placeholderData: keepPreviousData,
   });
 
 export const identitiesQuery = (id: number) =>

@@ -172,6 +172,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/drives/{drive_id}/tracks/runs": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Score Runs
+         * @description When each track of the drive is seen, and how sure the detector was.
+         */
+        get: operations["list_score_runs"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/drives/{drive_id}/identities": {
         parameters: {
             query?: never;
@@ -1112,6 +1132,21 @@ export interface components {
             theme?: components["schemas"]["Theme"] | null;
         };
         /**
+         * ScoreRuns
+         * @description When each track is seen, and how sure the detector was: see :mod:`app.tracks.runs`.
+         */
+        ScoreRuns: {
+            /** Revision */
+            revision: number;
+            /**
+             * Runs
+             * @description By track id, three numbers a run: frames skipped since the run before, frames, and the mean score in tenths, 10 where all boxes are filled in.
+             */
+            runs: {
+                [key: string]: number[];
+            };
+        };
+        /**
          * TableRow
          * @description A line of the table; precision is null without labels, recall without truth.
          */
@@ -1497,6 +1532,37 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Track"][];
+                };
+            };
+            /** @description What was wrong, where, and what to do. */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    list_score_runs: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                drive_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ScoreRuns"];
                 };
             };
             /** @description What was wrong, where, and what to do. */

@@ -8,6 +8,7 @@ import type { DriveDetail } from "../api/types";
 import { type CommittedFrame, FrameStore } from "./cameras/frameStore";
 import { type ObservationPage, ObservationStore } from "./cameras/observationStore";
 import { CropStore, loadPicture } from "./cameras/pictures";
+import { createViewStore, type ViewStore } from "./cameras/viewStore";
 import { createReviewStore, type ReviewState, type ReviewStore } from "./reviewStore";
 import { readUrl, writeUrl } from "./urlState";
 
@@ -19,6 +20,8 @@ interface Shared {
   frames: FrameStore<ImageBitmap>;
   observations: ObservationStore;
   crops: CropStore;
+  /** Pan and zoom of each camera. */
+  views: ViewStore;
   /** Widths to ask pictures for, by camera; undefined is the original. Set by the camera grid. */
   pictureWidths: Map<string, number | undefined>;
 }
@@ -47,7 +50,15 @@ function share(drive: DriveDetail, onNewRevision: () => void): Shared {
     loadPicture: (frame, camera) => loadPicture(drive.id, frame, camera, pictureWidths.get(camera)),
     observations,
   });
-  return { driveId: drive.id, store, frames, observations, crops: new CropStore(drive.id), pictureWidths };
+  return {
+    driveId: drive.id,
+    store,
+    frames,
+    observations,
+    crops: new CropStore(drive.id),
+    views: createViewStore(),
+    pictureWidths,
+  };
 }
 
 export function ReviewProvider({ drive, children }: { drive: DriveDetail; children: ReactNode }) {

@@ -1,98 +1,92 @@
 import { ActionIcon, Tooltip } from "@mantine/core";
-import { IconArrowsDiagonal, IconArrowsDiagonalMinimize2 } from "@tabler/icons-react";
-import { type MouseEvent, type PointerEvent, useEffect, useMemo, useRef } from "react";
-import type { DriveDetail, Observation } from "../../api/types";
+import { IconArrowsDiagonal, IconArrowsDiagonalMinimize2, IconZoomReset } from "@tabler/icons-react";
+import { memo, useLayoutEffect, useMemo, useRef } from "react";
+import { useStore } from "zustand";
+import type { DriveDetail } from "../../api/types";
 import { text } from "../../strings";
 import { withKey } from "../keys/Key";
 import { useReview, useShared } from "../ReviewContext";
+import { filterOf, useAppearance } from "./appearance";
 import classes from "./CameraView.module.css";
 import { drawBoxes } from "./drawBoxes";
 import type { CommittedFrame } from "./frameStore";
-import { observationAt } from "./hitTest";
 import type { Tile } from "./layout";
 import { ObservationCaption } from "./ObservationCaption";
+import { usePointerTool } from "./pointerTool";
+import { usePointer } from "./usePointer";
+import { FIT, type Transform, transformOf } from "./viewport";
 
 interface CameraViewProps {
   camera: DriveDetail["cameras"][number];
   tile: Tile;
   committed: CommittedFrame<ImageBitmap>;
   enlarged: boolean;
-  onEnlarge: (() => void) | null;
+  onEnlarge: ((camera: string) => void) | null;
 }
 
-const HIT_SLACK_PX = 3;
-
-/** One camera's picture and the boxes on it. */
-export function CameraView({ camera, tile, committed, enlarged, onEnlarge }: CameraViewProps) {
-  const { store } = useShared();
-  const identityIds = useReview((state) => state.identityIds);
+/**
+ * One camera's picture and the boxes on it.
+ *
+ * Both are painted in the layout effects of one commit of React, and so are those of all other cameras: what belongs to
+ * one frame of the drive comes to the screen in one frame of the browser.
+ */
+export const CameraView = memo(function CameraView({ camera, tile, committed, enlarged, onEnlarge }: CameraViewProps) {
+  const { views } = useShared();
+  const view = useStore(views, (state) => state.views[camera.name] ?? FIT);
   const hover = useReview((state) => state.hover);
   const pictureCanvas = useRef<HTMLCanvasElement>(null);
-  const boxCanvas = useRef<HTMLCanvasElement>(null);
   const shown = committed.pictures.get(camera.name);
   const picture = shown?.picture ?? null;
-  const scale = tile.width / camera.width_px;
+  const filter = useAppearance((state) => filterOf(state.adjustments));
+  const transform = useMemo(
+    () => transformOf(view, tile, { width: camera.width_px, height: camera.height_px }),
+    [view, tile, camera],
+  );
   const observations = useMemo(
     () => committed.observations.filter((one) => one.camera === camera.name),
     [committed.observations, camera.name],
   );
   const hovered = hover ? observations.find((one) => one.id === hover.observationId) : undefined;
 
-  useEffect(() => {
+  useLayoutEffect(() => {
     const ctx = prepare(pictureCanvas.current, tile);
     if (!ctx) return;
-    ctx.imageSmoothingQuality = "high";
     // A closed bitmap has no width; the next frame is about to take its place.
-    if (picture && picture.width > 0) ctx.drawImage(picture, 0, 0, tile.width, tile.height);
-  }, [picture, tile]);
-
-  useEffect(() => {
-    const ctx = prepare(boxCanvas.current, tile);
-    if (!ctx) return;
-    drawBoxes(ctx, picture ? observations : [], {
-      scale,
-      selectedIds: identityIds,
-      hoveredId: hover?.identityId ?? null,
-      width: tile.width,
-      height: tile.height,
-    });
-  }, [observations, picture, tile, scale, identityIds, hover]);
-
-  const under = (event: MouseEvent<HTMLElement>): Observation | null => {
-    const bounds = event.currentTarget.getBoundingClientRect();
-    const x = (event.clientX - bounds.left) / scale;
-    const y = (event.clientY - bounds.top) / scale;
-    return observationAt(observations, x, y, HIT_SLACK_PX / scale);
-  };
-
-  const onMove = (event: PointerEvent<HTMLElement>) => {
-    const one = under(event);
-    const { hover: before, setHover } = store.getState();
-    if (one?.id !== before?.observationId) {
-      setHover(one && { identityId: one.identity_id, observationId: one.id });
+    if (!picture || picture.width === 0) {
+      ctx.clearRect(0, 0, tile.width, tile.height);
+      return;
     }
-  };
+    // Far in, the pixels are what one wants to see.
+    ctx.imageSmoothingEnabled = transform.scale * (camera.width_px / picture.width) < 6;
+    ctx.imageSmoothingQuality = "high";
+    const { scale, offsetX, offsetY } = transform;
+    ctx.drawImage(picture, offsetX, offsetY, camera.width_px * scale, camera.height_px * scale);
+  }, [picture, tile, transform, camera]);
+
+  const boxCanvas = useBoxes({
+    observations: picture ? observations : [],
+    tile,
+    transform,
+    camera: camera.name,
+    frame: committed.frame,
+  });
+  const pointer = usePointer(boxCanvas, { camera: camera.name, frame: committed.frame, observations, tile, transform });
 
   return (
     <figure
       className={classes.view}
       style={{ left: tile.x, top: tile.y, width: tile.width, height: tile.height }}
-      data-hit={hovered !== undefined || undefined}
+      data-frame={committed.frame}
+      data-zoom={view.zoom}
       aria-label={text.cameras.view(camera.name, observations.length)}
     >
-      <canvas ref={pictureCanvas} className={classes.layer} aria-hidden />
+      <canvas ref={pictureCanvas} className={classes.layer} style={{ filter }} aria-hidden />
       <canvas
         ref={boxCanvas}
         className={classes.layer}
         aria-hidden
-        onPointerMove={onMove}
-        onPointerLeave={() => store.getState().setHover(null)}
-        onClick={(event) => {
-          const one = under(event);
-          if (one) store.getState().select([one.identity_id], "selected");
-          else store.getState().clear();
-        }}
-        onDoubleClick={() => onEnlarge?.()}
+        data-hit={hovered !== undefined || undefined}
+        {...pointer}
       />
       {!picture && (
         <div className={classes.missing}>
@@ -100,27 +94,67 @@ export function CameraView({ camera, tile, committed, enlarged, onEnlarge }: Cam
         </div>
       )}
       <figcaption className={classes.name}>{camera.name}</figcaption>
-      {onEnlarge && (
-        <Tooltip
-          label={withKey(enlarged ? text.cameras.shrink : text.cameras.enlarge(camera.name), "enlarge")}
-          openDelay={500}
-        >
-          <ActionIcon
-            className={classes.enlarge}
-            size={26}
-            variant="filled"
-            color="dark.8"
-            aria-label={enlarged ? text.cameras.shrink : text.cameras.enlarge(camera.name)}
-            aria-pressed={enlarged}
-            onClick={onEnlarge}
+      <div className={classes.buttons} data-kept={enlarged || view.zoom > 1 || undefined}>
+        {view.zoom > 1 && (
+          <Tooltip label={withKey(text.cameras.zoomFit, "zoomFit")} openDelay={500}>
+            <button
+              type="button"
+              className={classes.zoom}
+              aria-label={text.cameras.zoomFit}
+              onClick={() => views.getState().change(camera.name, () => FIT)}
+            >
+              {view.zoom.toFixed(1)}× <IconZoomReset size={14} />
+            </button>
+          </Tooltip>
+        )}
+        {onEnlarge && (
+          <Tooltip
+            label={withKey(enlarged ? text.cameras.shrink : text.cameras.enlarge(camera.name), "enlarge")}
+            openDelay={500}
           >
-            {enlarged ? <IconArrowsDiagonalMinimize2 size={15} /> : <IconArrowsDiagonal size={15} />}
-          </ActionIcon>
-        </Tooltip>
-      )}
+            <ActionIcon
+              size={26}
+              variant="filled"
+              color="dark.8"
+              aria-label={enlarged ? text.cameras.shrink : text.cameras.enlarge(camera.name)}
+              aria-pressed={enlarged}
+              onClick={() => onEnlarge(camera.name)}
+            >
+              {enlarged ? <IconArrowsDiagonalMinimize2 size={15} /> : <IconArrowsDiagonal size={15} />}
+            </ActionIcon>
+          </Tooltip>
+        )}
+      </div>
       {hovered && <ObservationCaption observation={hovered} />}
     </figure>
   );
+});
+
+interface Boxes {
+  observations: CommittedFrame<ImageBitmap>["observations"];
+  tile: Tile;
+  transform: Transform;
+  camera: string;
+  frame: number;
+}
+
+/** The canvas of the boxes, painted anew whenever what they show changes; a tool paints over them. */
+function useBoxes({ observations, tile, transform, camera, frame }: Boxes) {
+  const canvas = useRef<HTMLCanvasElement>(null);
+  const selectedIds = useReview((state) => state.identityIds);
+  const hoveredId = useReview((state) => state.hover?.identityId ?? null);
+  const colouring = useAppearance((state) => state.colouring);
+  const { tool, painted } = usePointerTool();
+  // biome-ignore lint/correctness/useExhaustiveDependencies: `painted` says when the tool looks different.
+  useLayoutEffect(() => {
+    const ctx = prepare(canvas.current, tile);
+    if (!ctx) return;
+    const pixelRatio = window.devicePixelRatio;
+    const { width, height } = tile;
+    drawBoxes(ctx, observations, { transform, colouring, pixelRatio, selectedIds, hoveredId, width, height });
+    tool?.paint?.(ctx, { camera, frame, transform });
+  }, [observations, tile, transform, camera, frame, selectedIds, hoveredId, colouring, tool, painted]);
+  return canvas;
 }
 
 /** Sizes a canvas to the device's pixels and gives a context whose unit is the CSS pixel. */

@@ -2,11 +2,18 @@
 
 import type { Observation } from "../../api/types";
 import { score } from "../../app/format";
-import { identityColour } from "./palette";
+import { type Colouring, colourOf } from "./colouring";
+import type { Transform } from "./viewport";
+
+/** Labels of a lower score, or of none, are drawn faded. */
+export const FADED_BELOW = 0.3;
+const FADED_ALPHA = 0.5;
 
 export interface BoxStyle {
-  /** Tile px per picture px. */
-  scale: number;
+  transform: Transform;
+  colouring: Colouring;
+  /** Device px per CSS px: edges are put on whole device px, so that they stay sharp. */
+  pixelRatio: number;
   selectedIds: readonly number[];
   hoveredId: number | null;
   width: number;
@@ -36,34 +43,37 @@ export function drawBoxes(ctx: CanvasRenderingContext2D, observations: readonly 
   ctx.clearRect(0, 0, style.width, style.height);
   const order: Record<Emphasis, number> = { dim: 0, normal: 1, strong: 2 };
   const items = observations
-    .map((one) => ({ one, emphasis: emphasisOf(one, style), rect: rectOf(one, style) }))
+    .map((one) => ({
+      one,
+      emphasis: emphasisOf(one, style),
+      rect: rectOf(one, style),
+      colour: colourOf(one, style.colouring),
+    }))
+    .filter(({ rect }) => isSeen(rect, style))
     .sort((a, b) => order[a.emphasis] - order[b.emphasis]);
   // Lines grow a little with the picture, so that they are seen on a large screen too.
   const weight = Math.min(2, Math.max(1, style.width / 800));
-  for (const item of items) drawBox(ctx, item.one, item.rect, item.emphasis, weight);
+  for (const item of items) drawBox(ctx, item, weight);
   drawLabels(ctx, items, style);
 }
 
-function rectOf(one: Observation, style: BoxStyle): Rect {
+/** The box on the tile (CSS px), its edges on whole device px. */
+export function rectOf(one: Pick<Observation, "box">, { transform, pixelRatio }: BoxStyle): Rect {
   const [x1, y1, x2, y2] = one.box as [number, number, number, number];
-  return {
-    x: x1 * style.scale,
-    y: y1 * style.scale,
-    width: (x2 - x1) * style.scale,
-    height: (y2 - y1) * style.scale,
-  };
+  const place = (offset: number, value: number) =>
+    Math.round((offset + value * transform.scale) * pixelRatio) / pixelRatio;
+  const x = place(transform.offsetX, x1);
+  const y = place(transform.offsetY, y1);
+  return { x, y, width: place(transform.offsetX, x2) - x, height: place(transform.offsetY, y2) - y };
 }
 
-function drawBox(
-  ctx: CanvasRenderingContext2D,
-  one: Observation,
-  rect: Rect,
-  emphasis: Emphasis,
-  weight: number,
-): void {
-  const colour = identityColour(one.identity_id);
-  ctx.save();
-  ctx.globalAlpha = emphasis === "dim" ? 0.4 : 1;
+function isSeen(rect: Rect, { width, height }: BoxStyle): boolean {
+  return rect.x < width && rect.y < height && rect.x + rect.width > 0 && rect.y + rect.height > 0;
+}
+
+function drawBox(ctx: CanvasRenderingContext2D, { one, rect, emphasis, colour }: Item, weight: number): void {
+  const faded = emphasis !== "strong" && (one.label.score ?? 0) < FADED_BELOW ? FADED_ALPHA : 1;
+  ctx.globalAlpha = faded * (emphasis === "dim" ? 0.4 : 1);
   if (emphasis === "strong") {
     ctx.fillStyle = colour;
     ctx.globalAlpha = 0.16;
@@ -81,13 +91,15 @@ function drawBox(
   ctx.strokeStyle = colour;
   ctx.lineWidth = line;
   ctx.strokeRect(rect.x, rect.y, rect.width, rect.height);
-  ctx.restore();
+  ctx.globalAlpha = 1;
+  ctx.setLineDash([]);
 }
 
 interface Item {
   one: Observation;
   emphasis: Emphasis;
   rect: Rect;
+  colour: string;
 }
 
 /** Labels of what matters most first: selected, then large; a label that would cover another is left out. */
@@ -104,24 +116,39 @@ function drawLabels(ctx: CanvasRenderingContext2D, items: readonly Item[], style
         Number(b.emphasis === "strong") - Number(a.emphasis === "strong") ||
         b.rect.width * b.rect.height - a.rect.width * a.rect.height,
     );
-  for (const { one, rect, emphasis } of labelled) {
+  for (const { one, rect, emphasis, colour } of labelled) {
     const words = `${one.label.class_name} ${score(one.label.score)}`;
     const marked = one.label.source !== "auto";
-    const width = ctx.measureText(words).width + 10 + (marked ? ARROW_WIDTH : 0);
+    const width = widthOf(ctx, words) + 10 + (marked ? ARROW_WIDTH : 0);
     const x = Math.min(Math.max(rect.x - 1, 0), Math.max(0, style.width - width));
     const above = rect.y - LABEL_HEIGHT - 1;
-    const spots = above >= 0 ? [above, rect.y + rect.height + 1] : [rect.y + 1, rect.y + rect.height + 1];
+    const inside = Math.max(0, rect.y) + 1;
+    const spots = above >= 0 ? [above, rect.y + rect.height + 1] : [inside, rect.y + rect.height + 1];
     const spot = spots
       .map((y) => ({ x, y: Math.min(y, style.height - LABEL_HEIGHT), width, height: LABEL_HEIGHT }))
       .find((candidate) => !taken.some((other) => overlap(candidate, other)));
     if (!spot && emphasis !== "strong") {
-      if (one.label.source === "propagated") drawCornerArrow(ctx, one, rect);
+      if (one.label.source === "propagated") drawCornerArrow(ctx, colour, rect);
       continue;
     }
     const place = spot ?? { x, y: Math.max(0, above), width, height: LABEL_HEIGHT };
     taken.push(place);
-    drawLabel(ctx, one, words, place);
+    drawLabel(ctx, one, colour, words, place);
   }
+}
+
+/** Measuring words is slow, and they repeat from frame to frame. */
+const widths = new Map<string, number>();
+
+function widthOf(ctx: CanvasRenderingContext2D, words: string): number {
+  let width = widths.get(words);
+  if (width === undefined) {
+    if (widths.size > 5_000) widths.clear();
+    width = ctx.measureText(words).width;
+    // Before its font has come, the browser measures another.
+    if (document.fonts.status === "loaded") widths.set(words, width);
+  }
+  return width;
 }
 
 function overlap(a: Rect, b: Rect): boolean {
@@ -129,8 +156,7 @@ function overlap(a: Rect, b: Rect): boolean {
 }
 
 /** The label's own origin is a full chip; a propagated one is a dark chip with a dotted rim and an arrow into it. */
-function drawLabel(ctx: CanvasRenderingContext2D, one: Observation, words: string, place: Rect): void {
-  const colour = identityColour(one.identity_id);
+function drawLabel(ctx: CanvasRenderingContext2D, one: Observation, colour: string, words: string, place: Rect): void {
   const propagated = one.label.source === "propagated";
   ctx.save();
   ctx.beginPath();
@@ -178,9 +204,9 @@ function drawArrow(ctx: CanvasRenderingContext2D, x: number, y: number, colour: 
 }
 
 /** Where there is no room for the label, the arrow alone says that it is propagated. */
-function drawCornerArrow(ctx: CanvasRenderingContext2D, one: Observation, rect: Rect): void {
+function drawCornerArrow(ctx: CanvasRenderingContext2D, colour: string, rect: Rect): void {
   if (rect.width < 14 || rect.height < 12) return;
   ctx.fillStyle = "rgba(8, 10, 14, 0.8)";
   ctx.fillRect(rect.x + 1, rect.y + 1, 11, 9);
-  drawArrow(ctx, rect.x + 3, rect.y + 5.5, identityColour(one.identity_id));
+  drawArrow(ctx, rect.x + 3, rect.y + 5.5, colour);
 }

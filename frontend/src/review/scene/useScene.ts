@@ -46,8 +46,9 @@ export function useScene(theme: "dark" | "light"): { scene: SceneState; restart:
       return;
     }
     const view = (): View => {
-      const { frame, identityIds } = store.getState();
-      return { frame_index: frame, identity_id: identityIds[0] ?? null, theme: latestTheme.current };
+      const { frame, identityIds, hover } = store.getState();
+      const identity_id = hover?.identityId ?? identityIds[0] ?? null;
+      return { frame_index: frame, identity_id, theme: latestTheme.current };
     };
     let left = false;
     let sceneId: string | null = null;
@@ -69,7 +70,9 @@ export function useScene(theme: "dark" | "light"): { scene: SceneState; restart:
       move.current = push;
       push();
       const unsubscribe = store.subscribe((state, before) => {
-        if (state.frame !== before.frame || state.identityIds !== before.identityIds) push();
+        const { frame, identityIds, hover } = before;
+        const pointedAt = state.hover?.identityId !== hover?.identityId;
+        if (state.frame !== frame || state.identityIds !== identityIds || pointedAt) push();
       });
       stopFollowing = () => {
         move.current = null;
