@@ -3,6 +3,7 @@
 import json
 import tempfile
 import time
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
 
@@ -11,9 +12,12 @@ import typer
 from app.commands.evaluate import evaluate_drive
 from app.commands.label import label_settings, require_model, store_labels
 from app.commands.options import AsJson, DriveFolder, InputSize, ModelFile, SceneName
-from app.commands.terminal import say
+from app.commands.terminal import TerminalProgress, say
 from app.settings import load_settings
+from labeler.detection import open_detector
 from labeler.drive import open_drive
+from labeler.evaluation.boxes_3d import BoxReport
+from labeler.evaluation.boxes_3d_cases import BoxFinder, judge_boxes
 from labeler.evaluation.made_up import MadeUp, made_up_labels, write_made_up_drive
 from labeler.evaluation.types import EvaluationConfig
 from labeler.pipeline import SilentProgress
@@ -49,6 +53,59 @@ def pipeline(
     say(f"pipeline   {times['pipeline_seconds']:8.2f} s   of which LiDAR {times['lidar_seconds']:.2f} s")
     say(f"ratio      {times['ratio']:8.2f}     (pipeline - LiDAR) / bare loop")
     say(f"memory     {times['peak_memory_mb']:8.0f} MB  at the peak, workers included")
+
+
+@benchmark.command()
+def boxes(
+    drive: DriveFolder,
+    model: Annotated[
+        Path | None,
+        typer.Option("--model", "-m", help="Box what this model detects, not the true 2D boxes.", show_default=False),
+    ] = None,
+    scene: SceneName = None,
+    input_size: InputSize = None,
+    as_json: AsJson = False,
+) -> None:
+    """Compare the 3D boxes of each camera direction with a drive's 3D truth, and time the LiDAR step."""
+    settings = label_settings(input_size)
+    recorded = open_drive(drive, scene=scene)
+    detector = None if model is None else open_detector(model, settings.detection)
+    with TerminalProgress() as progress:
+        progress.stage("Boxing in 3D", len(recorded.frames))
+        finder = BoxFinder.of(recorded, settings.lidar, detector)
+        report = judge_boxes(recorded, finder, progress=progress.advance)
+    if as_json:
+        typer.echo(json.dumps(asdict(report)))
+        return
+    _say_boxes(report)
+
+
+def _say_boxes(report: BoxReport) -> None:
+    say(f"{'true objects in images':34}{'cases':>6}{'boxed':>7}{'off':>9}{'p90':>9}{'yaw':>8}{'IoU>=.5':>9}")
+    for score in (report.overall, *report.groups):
+        say(
+            f"{score.group:34}{score.cases:6}{_share(score.boxed):>7}{_metres(score.median_error_m):>9}"
+            f"{_metres(score.p90_error_m):>9}{_degrees(score.median_yaw_off_deg):>8}{_share(score.good):>9}"
+        )
+    agreement = report.agreement
+    say(
+        f"{agreement.pairs} times two cameras box one object: median {_metres(agreement.median_apart_m)} apart, "
+        f"{_share(agreement.near)} within half a metre"
+    )
+    say(f"bird's-eye AP@.5 within 50 m {_share(report.average_precision)}")
+    say(f"{report.cpu_ms_per_frame:.0f} ms of processor time a frame, over {report.frames} frames")
+
+
+def _share(value: float | None) -> str:
+    return "-" if value is None else f"{value:.3f}"
+
+
+def _metres(value: float | None) -> str:
+    return "-" if value is None else f"{value:.2f} m"
+
+
+def _degrees(value: float | None) -> str:
+    return "-" if value is None else f"{value:.1f}°"
 
 
 @benchmark.command()

@@ -8,7 +8,6 @@ whatever detection they come from, against the true objects in its image.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from itertools import combinations, pairwise
 
@@ -172,8 +171,3 @@ def _points_name(low: int, high: float) -> str:
 
 def _rounded(value: np.floating | float) -> float:
     return round(float(value), 3)
-
-
-def sequence_of(report: BoxReport) -> Sequence[BoxScore]:
-    """The overall score, then those of the groups."""
-    return (report.overall, *report.groups)

@@ -9,14 +9,15 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
-from labeler.detection.types import Detections
-from labeler.drive import Drive, Frame
-from labeler.drive.types import Truth, TruthBoxes2D, TruthBoxes3D
+from labeler.detection.types import Detections, Detector
+from labeler.drive import Drive, Frame, read_image
+from labeler.drive.types import Sweep, Truth, TruthBoxes2D, TruthBoxes3D
 from labeler.evaluation.boxes_3d import (
     AP_MAX_DISTANCE_M,
     AP_MIN_POINTS,
@@ -26,11 +27,12 @@ from labeler.evaluation.boxes_3d import (
     RankedBoxes,
     report_boxes,
 )
-from labeler.evaluation.categories import class_of_category
+from labeler.evaluation.categories import CLASSES, class_of_category
 from labeler.evaluation.types import EvaluationError
 from labeler.geometry.boxes_2d import iou_matrix
 from labeler.geometry.boxes_3d import iou_3d
-from labeler.lidar import Boxes3D
+from labeler.lidar import Boxes3D, CameraInput, LidarConfig, View, open_box_maker, prepare_scene
+from labeler.pipeline.lidar_units import lidar_frame
 
 _MIN_PIXELS = 30
 _MIN_IOU = 0.5
@@ -38,8 +40,8 @@ _TRUE_SCORE = 0.9
 _BORDER_PX = 2.0
 _NEAR_BOX_M = 0.1
 
-FindBoxes = Callable[[Frame, Mapping[str, Detections]], Mapping[str, Boxes3D]]
-"""The LiDAR step of one frame: boxes of each camera from its detections."""
+FindBoxes = Callable[[Frame, Sweep, Mapping[str, Detections]], Mapping[str, Boxes3D]]
+"""The LiDAR step of one frame: boxes of each camera from the frame's sweep and its detections."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,9 +70,28 @@ class BoxFinder:
     detections: Callable[[Frame, str], Detections] | None
     boxes: FindBoxes
 
+    @staticmethod
+    def of(drive: Drive, config: LidarConfig, detector: Detector | None) -> BoxFinder:
+        """The pipeline's LiDAR step, on what ``detector`` finds in the images, or on the true detections."""
+        maker = open_box_maker(config, class_names=CLASSES if detector is None else detector.class_names)
 
-def judge_boxes(drive: Drive, finder: BoxFinder, *, progress: Callable[[int], None] = lambda _: None) -> BoxReport:
-    """Run the LiDAR step over every frame with a sweep and judge its boxes. ``progress`` hears of each frame.
+        def boxes(frame: Frame, sweep: Sweep, found: Mapping[str, Detections]) -> Mapping[str, Boxes3D]:
+            motion = lidar_frame(frame, frame.sweep, drive.poses).image_ego_SE3_frame_ego
+            cameras = {
+                name: CameraInput(View.of(drive.camera(name), motion[name]), detections)
+                for name, detections in found.items()
+            }
+            return maker.boxes(prepare_scene(sweep, config), cameras)
+
+        return BoxFinder(None if detector is None else partial(_detect, detector), boxes)
+
+
+def _detect(detector: Detector, frame: Frame, camera: str) -> Detections:
+    return detector.detect([read_image(frame.images[camera])])[0]
+
+
+def judge_boxes(drive: Drive, finder: BoxFinder, *, progress: Callable[[], None] = lambda: None) -> BoxReport:
+    """Run the LiDAR step over every frame with a sweep and judge its boxes. ``progress`` is called after each frame.
 
     EvaluationError where the drive has no 3D truth, no true boxes in images, or no sweeps with calibrated cameras.
     """
@@ -90,13 +111,13 @@ def judge_boxes(drive: Drive, finder: BoxFinder, *, progress: Callable[[int], No
             found = {name: _true_detections(true) for name, true in objects.items()}
         else:
             found = {name: finder.detections(frame, name) for name in objects}
+        sweep = drive.read_sweep(frame.sweep)
         begin = time.process_time()
-        boxes = finder.boxes(frame, found)
+        boxes = finder.boxes(frame, sweep, found)
         seconds += time.process_time() - begin
         frames += 1
-        xyz_m = drive.read_sweep(frame.sweep).xyz_m
         for name, true in objects.items():
-            points = _points_in(true, xyz_m)
+            points = _points_in(true, sweep.xyz_m)
             own = boxes.get(name, Boxes3D.empty())
             detection = _detection_of(true, found[name], exact=finder.detections is None)
             parts.append(_cases(frame.index, cameras.index(name), true, points, detection, own, sizes_px[name]))
@@ -105,7 +126,7 @@ def judge_boxes(drive: Drive, finder: BoxFinder, *, progress: Callable[[int], No
             scores.append(score)
             hits.append(is_hit)
             truth_count += int(counted.sum())
-        progress(frame.index)
+        progress()
     if not parts:
         raise EvaluationError(
             f"{drive.root} has no LiDAR sweep beside an image of a calibrated camera: nothing to box."

@@ -3,15 +3,18 @@
 One frame goes through :func:`prepare_scene`, a :class:`BoxMaker` and :func:`find_positions`.
 """
 
+from labeler.lidar.agreement import Agreement, calibration_warnings, measure_agreement
 from labeler.lidar.config import LidarConfig, usual_sizes_m
 from labeler.lidar.ground import Ground, above_ground, estimate_ground
 from labeler.lidar.makers import BoxMaker, CameraInput, LidarError, open_box_maker
-from labeler.lidar.painting import PaintedPoints, PixelScores, View, paint_points
+from labeler.lidar.over_time import refine_track_boxes
+from labeler.lidar.painting import PaintedCloud, PaintedPoints, PixelScores, View, paint_cloud, paint_points
 from labeler.lidar.positions import find_positions
 from labeler.lidar.scene import Scene, prepare_scene
 from labeler.lidar.types import Boxes3D, BoxSource, Positions3D, PositionSource
 
 __all__ = [
+    "Agreement",
     "BoxMaker",
     "BoxSource",
     "Boxes3D",
@@ -19,6 +22,7 @@ __all__ = [
     "Ground",
     "LidarConfig",
     "LidarError",
+    "PaintedCloud",
     "PaintedPoints",
     "PixelScores",
     "PositionSource",
@@ -26,10 +30,14 @@ __all__ = [
     "Scene",
     "View",
     "above_ground",
+    "calibration_warnings",
     "estimate_ground",
     "find_positions",
+    "measure_agreement",
     "open_box_maker",
+    "paint_cloud",
     "paint_points",
     "prepare_scene",
+    "refine_track_boxes",
     "usual_sizes_m",
 ]

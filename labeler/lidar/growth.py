@@ -108,6 +108,7 @@ def _grown(
     clusters = camera.clusters
     rows_of = {int(detection): clusters.rows_of(number) for number, detection in enumerate(clusters.detection_index)}
     free = np.flatnonzero(~taken)
+    x_m, y_m = np.ascontiguousarray(xyz_m[free, 0]), np.ascontiguousarray(xyz_m[free, 1])
     parts: list[NDArray[np.int32]] = []
     owners: list[NDArray[np.int32]] = []
     cut_sides = camera.cut_sides()
@@ -117,9 +118,8 @@ def _grown(
         detection = int(clusters.detection_index[number])
         reach_m = _REACH * float(camera.sizes_m[detection, :2].max())
         low, high = xyz_m[seed].min(axis=0), xyz_m[seed].max(axis=0)
-        near = free[
-            (xyz_m[free, :2] >= low[:2] - reach_m).all(axis=1) & (xyz_m[free, :2] <= high[:2] + reach_m).all(axis=1)
-        ]
+        low, high = low - np.float32(reach_m), high + np.float32(reach_m)
+        near = free[(x_m >= low[0]) & (x_m <= high[0]) & (y_m >= low[1]) & (y_m <= high[1])]
         near = near[camera.view.beyond(xyz_m[near], cut_sides[number])]
         parts.append(np.concatenate([seed, near.astype(np.int32)]))
         owners.append(np.full(len(parts[-1]), number, np.int32))

@@ -38,7 +38,8 @@ def prepare_scene(
     frame at the sweep's time to that at the frame's, identity when None: a frame may borrow a sweep of another time.
     """
     xyz_m = sweep.xyz_m
-    finite = np.isfinite(xyz_m).all(axis=1)
+    with np.errstate(invalid="ignore"):
+        finite = np.isfinite(xyz_m[:, 0] + xyz_m[:, 1] + xyz_m[:, 2])
     intensity, offset_ns = sweep.intensity, sweep.offset_ns
     if not finite.all():
         xyz_m, intensity = xyz_m[finite], intensity[finite]

@@ -6,8 +6,8 @@ box's columns are NaN or 0 where not, and ``score`` is NaN). A frame without a s
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -15,8 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labeler.detection import Detections
-from labeler.drive import Camera, DriveFileError, SweepFile, SweepReader
+from labeler.drive import Camera, DriveFileError, Frame, Poses, SweepFile, SweepReader
+from labeler.geometry.se3 import invert_se3
 from labeler.lidar import (
+    Agreement,
     Boxes3D,
     BoxMaker,
     CameraInput,
@@ -25,12 +27,16 @@ from labeler.lidar import (
     Scene,
     View,
     find_positions,
+    measure_agreement,
     open_box_maker,
     prepare_scene,
 )
 from labeler.pipeline.detecting import read_detections
 from labeler.pipeline.stages import Stage
-from labeler.pipeline.tables import Columns, columns_of, concatenate, rows_of, write_table
+from labeler.pipeline.tables import Columns, columns_of, concatenate, read_note, rows_of, write_table
+
+_COMPARED_EVERY = 4
+"""Cameras and LiDAR are compared in every so-manieth frame."""
 
 
 @dataclass(frozen=True)
@@ -65,8 +71,23 @@ class LidarUnit:
         return sum(frame.sweep is not None for frame in self.frames)
 
 
+def lidar_frame(frame: Frame, sweep: SweepFile | None, poses: Poses | None) -> LidarFrame:
+    """A frame with the sweep that serves it. Without poses the car is taken to stand still between readings."""
+    own, images = np.eye(4), {camera: np.eye(4) for camera in frame.images}
+    if poses is not None:
+        city_SE3_frame_ego = poses.at(frame.timestamp_ns)
+        if sweep is not None and sweep.timestamp_ns != frame.timestamp_ns:
+            own = invert_se3(city_SE3_frame_ego) @ poses.at(sweep.timestamp_ns)
+        images = {
+            camera: invert_se3(poses.at(file.timestamp_ns)) @ city_SE3_frame_ego
+            for camera, file in frame.images.items()
+        }
+    return LidarFrame(frame.index, frame.timestamp_ns, sweep, own, images)
+
+
 def locate_detections(unit: LidarUnit, path: Path) -> None:
-    """Write positions and 3D boxes of a clip. A sweep that can't be read is noted, and its frame done without."""
+    """Write positions and 3D boxes of a clip. A sweep that can't be read is noted, and its frame done without. Noted as
+    well is how the cameras agree with the LiDAR, measured in some of the frames."""
     found = {
         name: {frame.frame_index: frame.detections for frame in read_detections([file])}
         for name, file in unit.detections.items()
@@ -74,7 +95,8 @@ def locate_detections(unit: LidarUnit, path: Path) -> None:
     maker = open_box_maker(unit.config, class_names=unit.class_names)
     parts = [_columns(Boxes3D.empty(), Positions3D.empty(), Detections.empty(), 0, 0)]
     warnings: list[str] = []
-    for frame in unit.frames:
+    agreement = {camera.name: Agreement.nothing() for camera in unit.cameras}
+    for number, frame in enumerate(unit.frames):
         scene = _scene(frame, unit, warnings)
         cameras = {
             camera.name: CameraInput(
@@ -84,8 +106,26 @@ def locate_detections(unit: LidarUnit, path: Path) -> None:
             for camera in unit.cameras
         }
         parts.extend(_frame_columns(frame.frame_index, scene, cameras, maker, unit))
-    cameras = [camera.name for camera in unit.cameras]
-    write_table(path, [concatenate(parts)], note={"cameras": cameras, "warnings": warnings})
+        if scene is not None and number % _COMPARED_EVERY == 0:
+            for name, camera in cameras.items():
+                compared = measure_agreement(scene, camera, unit.config, class_names=unit.class_names)
+                agreement[name] = agreement[name].plus(compared)
+    note = {
+        "cameras": list(agreement),
+        "warnings": warnings,
+        "agreement": {name: asdict(of_camera) for name, of_camera in agreement.items()},
+    }
+    write_table(path, [concatenate(parts)], note=note)
+
+
+def agreement_of(paths: Iterable[Path]) -> dict[str, Agreement]:
+    """How each camera agrees with the LiDAR, over all clips."""
+    total: dict[str, Agreement] = {}
+    for path in paths:
+        for name, noted in read_note(path)["agreement"].items():
+            found = Agreement(noted["near"], noted["found"], tuple(noted["right_deg"]), tuple(noted["down_deg"]))
+            total[name] = total.get(name, Agreement.nothing()).plus(found)
+    return total
 
 
 LIDAR = Stage("lidar", 2, "arrow", locate_detections)

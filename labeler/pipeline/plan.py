@@ -19,13 +19,12 @@ import numpy as np
 
 from labeler.detection import DetectionConfig, Detector
 from labeler.detection.classes import suppression_group_of
-from labeler.drive import Camera, Drive, Frame, Poses, SweepFile
-from labeler.geometry.se3 import invert_se3
+from labeler.drive import Camera, Drive, SweepFile
 from labeler.identity import IdentityConfig
 from labeler.lidar import LidarConfig
 from labeler.pipeline.artifacts import Artifacts, key_of
 from labeler.pipeline.detecting import DetectUnit
-from labeler.pipeline.lidar_units import LidarFrame, LidarUnit
+from labeler.pipeline.lidar_units import LidarFrame, LidarUnit, lidar_frame
 from labeler.pipeline.units import DonorUnit, IdentityUnit, LabelUnit, TrackUnit
 from labeler.propagation import PropagationConfig
 from labeler.tracking import TrackingConfig
@@ -111,7 +110,7 @@ def lidar_units(
     if not cameras:
         return planned
     for clip, group in groupby(drive.frames, key=lambda frame: frame.index // CLIP_FRAMES):
-        frames = tuple(_lidar_frame(frame, sweeps[frame.index], drive.poses) for frame in group)
+        frames = tuple(lidar_frame(frame, sweeps[frame.index], drive.poses) for frame in group)
         detections = clips.of_clip(clip)
         key = key_of(
             config,
@@ -188,17 +187,3 @@ def _nearest_sweeps(drive: Drive) -> list[SweepFile | None]:
             sweep = sweeps[nearest] if off_ns[nearest] <= LONGEST_LOAN_NS else None
         chosen.append(sweep)
     return chosen
-
-
-def _lidar_frame(frame: Frame, sweep: SweepFile | None, poses: Poses | None) -> LidarFrame:
-    """Without poses, the car is taken to stand still between its sensors' readings."""
-    own, images = np.eye(4), {camera: np.eye(4) for camera in frame.images}
-    if poses is not None:
-        city_SE3_frame_ego = poses.at(frame.timestamp_ns)
-        if sweep is not None and sweep.timestamp_ns != frame.timestamp_ns:
-            own = invert_se3(city_SE3_frame_ego) @ poses.at(sweep.timestamp_ns)
-        images = {
-            camera: invert_se3(poses.at(file.timestamp_ns)) @ city_SE3_frame_ego
-            for camera, file in frame.images.items()
-        }
-    return LidarFrame(frame.index, frame.timestamp_ns, sweep, own, images)

@@ -17,11 +17,12 @@ from pathlib import Path
 from labeler.detection import open_detector
 from labeler.drive import Drive
 from labeler.identity import Merges, MergeState
+from labeler.lidar import calibration_warnings
 from labeler.pipeline import plan
 from labeler.pipeline.artifacts import Artifacts, key_of
 from labeler.pipeline.detecting import detect
 from labeler.pipeline.executors import Executor, open_executor
-from labeler.pipeline.lidar_units import LIDAR
+from labeler.pipeline.lidar_units import LIDAR, agreement_of
 from labeler.pipeline.memory import PeakMemory
 from labeler.pipeline.reading import read_labelled_frames
 from labeler.pipeline.results import keep_detections
@@ -185,6 +186,7 @@ def _warnings(drive: Drive, results: _Results) -> list[str]:
     for paths in (*results.detections.values(), results.boxes_3d):
         for path in paths:
             warnings.extend(read_note(path)["warnings"])
+    warnings.extend(calibration_warnings(agreement_of(results.boxes_3d)))
     if len(results.tracks) > 1 and not (drive.has_lidar and results.boxes_3d):
         warnings.append(
             "This drive has no LiDAR with calibrated cameras, so tracks of different cameras can't be merged."

@@ -7,7 +7,8 @@ Source: Vora et al., PointPainting: Sequential Fusion for 3D Object Detection, C
 """
 
 from labeler.lidar.painting.by_boxes import PaintedPoints, paint_points
+from labeler.lidar.painting.cloud import PaintedCloud, paint_cloud
 from labeler.lidar.painting.scores import PixelScores
 from labeler.lidar.painting.view import Sight, View
 
-__all__ = ["PaintedPoints", "PixelScores", "Sight", "View", "paint_points"]
+__all__ = ["PaintedCloud", "PaintedPoints", "PixelScores", "Sight", "View", "paint_cloud", "paint_points"]

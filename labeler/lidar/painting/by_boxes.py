@@ -77,8 +77,8 @@ def paint_points(
     sight = view.see(xyz_m)
     wide_px = _widened(boxes_px, config.margin)
     sight = sight[_in_any_box(sight.pixel, wide_px, view.size_px) & ~hidden_points(sight, view)]
-    box, point = _pairs(sight.pixel, wide_px)
-    paint = detections.score[strong[box]].astype(np.float32) * _mask(sight.pixel[point], boxes_px, box)
+    box, point = pairs_inside(sight.pixel, wide_px)
+    paint = detections.score[strong[box]].astype(np.float32) * mask_of_boxes(sight.pixel[point], boxes_px, box)
     if scores is not None:
         shown = scores_of_classes(scores, sight.pixel, class_names)
         paint *= _UNSHOWN + (1 - _UNSHOWN) * shown[point, detections.class_id[strong[box]]]
@@ -106,7 +106,9 @@ def _in_any_box(
     return drawing[cell[:, 1], cell[:, 0]]
 
 
-def _pairs(pixel: NDArray[np.float32], boxes_px: NDArray[np.float32]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+def pairs_inside(
+    pixel: NDArray[np.float32], boxes_px: NDArray[np.float32]
+) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """Every (box, point) with the point inside of the box, in order of the boxes."""
     inside = (pixel[None, :, 0] >= boxes_px[:, 0, None]) & (pixel[None, :, 0] <= boxes_px[:, 2, None])
     inside &= (pixel[None, :, 1] >= boxes_px[:, 1, None]) & (pixel[None, :, 1] <= boxes_px[:, 3, None])
@@ -120,7 +122,9 @@ def _widened(boxes_px: NDArray[np.float32], margin: float) -> NDArray[np.float32
     return boxes_px + margin * longer_px * np.array([-1, -1, 1, 1], np.float32)
 
 
-def _mask(pixel: NDArray[np.float32], boxes_px: NDArray[np.float32], box: NDArray[np.intp]) -> NDArray[np.float32]:
+def mask_of_boxes(
+    pixel: NDArray[np.float32], boxes_px: NDArray[np.float32], box: NDArray[np.intp]
+) -> NDArray[np.float32]:
     """(M,) how surely a pixel shows the object: 1 in the middle of its box, exp(-2) in the corners, 0 outside."""
     middle = (boxes_px[:, :2] + boxes_px[:, 2:]) / 2
     half = np.maximum((boxes_px[:, 2:] - boxes_px[:, :2]) / 2, 0.5)

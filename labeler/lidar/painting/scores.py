@@ -24,13 +24,13 @@ class PixelScores(Protocol):
 
 
 def scores_of_classes(
-    scores: PixelScores, pixels: NDArray[np.floating], class_names: Sequence[str]
+    scores: PixelScores, pixels: NDArray[np.floating], class_names: Sequence[str], *, unknown: float = 1.0
 ) -> NDArray[np.float32]:
-    """(N, K) how surely each of (N, 2) pixels shows an object of each of K detector classes; 1 for a class that the
-    segmentation does not know.
+    """(N, K) how surely each of (N, 2) pixels shows each of K classes; ``unknown`` for one that the segmentation does
+    not know. Classes of vehicles, and "vehicle", stand for one another.
     """
     found = scores.at(pixels)
-    shown = np.ones((len(pixels), len(class_names)), np.float32)
+    shown = np.full((len(pixels), len(class_names)), unknown, np.float32)
     for number, name in enumerate(class_names):
         planes = [plane for plane, known in enumerate(scores.class_names) if known.lower() in _meaning(name)]
         if planes:
@@ -41,6 +41,6 @@ def scores_of_classes(
 def _meaning(name: str) -> frozenset[str]:
     """The classes of a segmentation that show an object of a detector's class. Detectors call a truck car and a car
     truck, so all classes of vehicles speak for each of them."""
-    if name in _VEHICLES:
+    if name in (*_VEHICLES, "vehicle"):
         return frozenset((*_VEHICLES, "vehicle"))
     return frozenset(_PEOPLE) if name in _PEOPLE else frozenset((name,))

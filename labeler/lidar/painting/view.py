@@ -77,13 +77,16 @@ class View:
 
     def see(self, xyz_m: NDArray[np.floating]) -> Sight:
         """Which of (N, 3) points in the ego frame project into the image. Those that are not finite do not."""
-        pixel, depth_m = self.project(xyz_m)
+        forward = self.camera_SE3_ego[2].astype(np.float32)
+        with np.errstate(invalid="ignore", over="ignore"):
+            ahead_m = xyz_m[:, 0] * forward[0] + xyz_m[:, 1] * forward[1] + xyz_m[:, 2] * forward[2] + forward[3]
+            ahead = np.flatnonzero((ahead_m > MIN_DEPTH_M) & (ahead_m < np.inf))
+        pixel, depth_m = self.project(xyz_m[ahead])
         width, height = self.size_px
+        x, y = pixel[:, 0], pixel[:, 1]
         with np.errstate(invalid="ignore"):
-            inside = (depth_m > MIN_DEPTH_M) & (depth_m < np.inf) & (pixel[:, 0] >= 0) & (pixel[:, 0] < width)
-            inside &= (pixel[:, 1] >= 0) & (pixel[:, 1] < height)
-        row = np.flatnonzero(inside)
-        return Sight(row, pixel[row], depth_m[row])
+            inside = np.flatnonzero((x >= 0) & (x < width) & (y >= 0) & (y < height))
+        return Sight(ahead[inside], pixel[inside], depth_m[inside])
 
     def sides_cutting(self, xyxy_px: NDArray[np.floating]) -> NDArray[np.bool_]:
         """(N, 4) which sides of the image cut each of (N, 4) boxes: left, top, right, bottom."""

@@ -4,7 +4,7 @@ import pytest
 from labeler.detection.types import Detections
 from labeler.drive.types import Calibration, Camera
 from labeler.geometry.se3 import se3
-from labeler.lidar import LidarConfig, View, paint_points
+from labeler.lidar import LidarConfig, View, paint_cloud, paint_points
 
 CONFIG = LidarConfig()
 # Looks along x of the ego frame from its origin; 100 px focal length, middle at (200, 100).
@@ -78,3 +78,55 @@ def test_the_motion_of_the_car_between_sweep_and_image_is_taken_out():
 def test_a_camera_without_calibration_has_no_view():
     with pytest.raises(ValueError, match="front has no calibration"):
         View.of(Camera("front", 400, 200, None))
+
+
+class Halves:
+    """A segmentation whose left half shows vehicles and whose right half shows road."""
+
+    class_names = ("road", "vehicle")
+
+    def at(self, pixels: np.ndarray) -> np.ndarray:
+        left = (pixels[:, 0] < 200).astype(np.float32)
+        return np.stack([1 - left, left], axis=1)
+
+
+@pytest.mark.parametrize(
+    ("scores", "expected"),
+    [
+        # In the left half, in the right half, hidden behind the first, behind the camera.
+        (Halves(), [[1, 0], [0, 0], [0, 0], [0, 0]]),
+        (None, [[0.8 * np.exp(-0.25), 0], [0.8 * np.exp(-0.25), 0], [0, 0], [0, 0]]),
+    ],
+)
+def test_a_cloud_is_painted_where_the_image_shows_its_points(scores: Halves | None, expected: list[list[float]]):
+    near = [(10, 1 + shift, 0) for shift in (-0.3, 0.0, 0.3)]  # wide enough to hide what is behind
+    cloud = paint_cloud(
+        points(*near, (10, -1, 0), (20, 2, 0), (-10, 0, 0)),
+        np.arange(6, dtype=np.float32),
+        View.of(CAMERA),
+        painted_classes=("car", "person"),
+        detections=detections((180, 80, 220, 120)),
+        class_names=("car",),
+        scores=scores,
+        config=CONFIG,
+    )
+    assert cloud.points.shape == (6, 6)
+    np.testing.assert_allclose(cloud.points[[1, 3, 4, 5], 4:], expected, atol=1e-5)
+    np.testing.assert_array_equal(cloud.points[:, 3], np.arange(6))
+    np.testing.assert_array_equal(cloud.seen, [True, True, True, True, False, False])
+
+
+def test_a_segmentation_takes_the_paint_from_what_it_says_is_no_vehicle():
+    found = detections((180, 80, 220, 120))
+    painted = paint_points(
+        points((10, 1, 0), (10, -1, 0)), found, View.of(CAMERA), CONFIG, class_names=("car",), scores=Halves()
+    )
+    np.testing.assert_allclose(painted.score, [0.8 * np.exp(-0.25), 0.05 * 0.8 * np.exp(-0.25)], rtol=1e-3)
+
+
+def test_the_sides_that_cut_a_box_and_what_lies_beyond_them():
+    view = View.of(CAMERA)
+    sides = view.sides_cutting(np.array([[0, 20, 50, 80], [100, 50, 399.5, 200], [10, 10, 20, 20]]))
+    np.testing.assert_array_equal(sides, [[1, 0, 0, 0], [0, 0, 1, 1], [0, 0, 0, 0]])
+    beyond = view.beyond(points((10, 21, 0), (10, 19, 0), (-5, 9, 0), (10, -21, 0)), sides[0])  # 63 degrees to the left
+    np.testing.assert_array_equal(beyond, [True, False, True, False])
