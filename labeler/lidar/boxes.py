@@ -27,7 +27,8 @@ from labeler.lidar.scene import Scene
 from labeler.lidar.types import Boxes3D, BoxSource
 
 _OUTLIERS = 0.02
-_LARGEST = 1.6
+_LARGEST = np.array([1.5, 1.25, 1.6])
+"""How many times as long, wide and tall as usual an object of a class may be."""
 _LOWEST_HEIGHT = 0.8
 _AWAY_BONUS = 0.2
 _SIZE_PENALTY = 0.3
@@ -234,7 +235,7 @@ def _heights(
     ground_m = ground.at(np.add.reduceat(xyz_m[:, :2], first) / np.diff(start)[:, None]).astype(np.float64)
     bottom_m = np.fmin(ground_m, np.minimum.reduceat(xyz_m[:, 2], first))
     seen_m = np.maximum.reduceat(xyz_m[:, 2], first) - bottom_m
-    return bottom_m, bottom_m + np.clip(seen_m, _LOWEST_HEIGHT * usual_m[:, 2], _LARGEST * usual_m[:, 2])
+    return bottom_m, bottom_m + np.clip(seen_m, _LOWEST_HEIGHT * usual_m[:, 2], _LARGEST[2] * usual_m[:, 2])
 
 
 def _hypotheses(
@@ -247,7 +248,8 @@ def _hypotheses(
 ) -> _Hypotheses:
     """Every option for each cluster: the points' extent, filled up to the usual size on the side that is not kept."""
     usual_sides_m = np.stack([usual_m[:, :2], usual_m[:, 1::-1]], axis=1)[:, _OPTIONS[:, 0]]
-    side_m = np.clip((high_m - low_m)[:, None], usual_sides_m, _LARGEST * usual_sides_m)
+    largest = np.stack([_LARGEST[:2], _LARGEST[1::-1]])[_OPTIONS[:, 0]]
+    side_m = np.clip((high_m - low_m)[:, None], usual_sides_m, largest * usual_sides_m)
     kept = _OPTIONS[None, :, 1:]
     middle_m = np.where(
         kept == _KEEP_LOW,

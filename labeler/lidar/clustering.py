@@ -2,7 +2,8 @@
 
 Inside of a box the LiDAR sees the object, and also what stands behind, beside and before it. Seen from above, the
 painted points of each box fall into clusters (cells of a grid that touch). A cluster counts by its share of the box's
-paint; by how much of it stays inside of the box (a wall, or a neighbour, reaches out of it); and by how well its
+paint; by how much of it stays inside of the box (a wall, or a neighbour, reaches out of it) and how much of the box's
+width it fills (a neighbour fills another part of it); and by how well its
 distance agrees with the size of the box in the image: an object of usual height that looks so tall stands about so far
 away. The nearest of the clusters that count is the object, because what is nearer hides
 what is farther. Detections choose in order of how clear their case is, and a point that one has taken is not there for
@@ -27,6 +28,7 @@ from labeler.lidar.painting.view import View
 _DEEPER_SPREAD = 0.35
 _NEARER_SPREAD = 0.5
 _LONGER = 1.4
+_LEAST_WIDTH_FIT = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +69,8 @@ def cluster_painted_points(
 
     ``sizes_m`` (N, 3) are the usual sizes of the N detections. Ground points must have been removed from
     ``painted``."""
-    contained = _share_inside(painted, _components(painted, config))
+    around = _components(painted, config)
+    contained = _share_inside(painted, around) * _width_fit(painted, around, detections, view)
     inside = painted.score > 0
     painted, contained = painted[inside], contained[inside]
     component = _components(painted, config)
@@ -143,6 +146,24 @@ def _share_inside(painted: PaintedPoints, component: NDArray[np.int32]) -> NDArr
         return np.zeros(0)
     inside = np.bincount(component, weights=painted.score > 0)
     return (inside / np.maximum(np.bincount(component), 1))[component]
+
+
+def _width_fit(
+    painted: PaintedPoints, component: NDArray[np.int32], detections: Detections, view: View
+) -> NDArray[np.float64]:
+    """(M,) for each painted point how well the width of its component fits that of the box: the IoU of the two spans
+    in the image, softened because a half hidden object fills only a part of its box. Its neighbour fills another."""
+    if not len(component):
+        return np.zeros(0)
+    x = painted.pixel[:, 0]
+    low, high = np.full(int(component.max()) + 1, np.inf), np.full(int(component.max()) + 1, -np.inf)
+    np.minimum.at(low, component, x)
+    np.maximum.at(high, component, x)
+    boxes_px = detections.xyxy_px[painted.detection_index].astype(np.float64)
+    left, right = np.clip(boxes_px[:, 0], 0, view.size_px[0]), np.clip(boxes_px[:, 2], 0, view.size_px[0])
+    shared = np.clip(np.minimum(high[component], right) - np.maximum(low[component], left), 0, None)
+    spanned = np.maximum(high[component], right) - np.minimum(low[component], left)
+    return _LEAST_WIDTH_FIT + (1 - _LEAST_WIDTH_FIT) * shared / np.maximum(spanned, 1.0)
 
 
 def _merit(

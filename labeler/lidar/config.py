@@ -70,7 +70,7 @@ class LidarConfig:
     ground_clearance_m: float = 0.3
     cluster_gap_m: float = 0.4
     cluster_gap_per_m: float = 0.008
-    dominance: float = 0.35
+    dominance: float = 0.7
     yaw_step_deg: float = 2.0
     closeness_floor_m: float = 0.1
     max_fit_points: int = 256

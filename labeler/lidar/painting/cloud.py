@@ -76,7 +76,8 @@ def _paint_of_boxes(
     """(M, C) the surest detection's score times its mask."""
     paint = np.zeros((len(pixel), len(painted_classes)), np.float32)
     column_of = {name: column for column, name in enumerate(painted_classes)}
-    columns = np.array([column_of.get(class_names[number], -1) for number in detections.class_id.tolist()], np.intp)
+    column_of_class = np.array([*(column_of.get(name, -1) for name in class_names), -1], np.intp)
+    columns = column_of_class[detections.class_id]
     strong = np.flatnonzero(
         (detections.score >= config.min_detection_score) & np.isfinite(detections.xyxy_px).all(axis=1) & (columns >= 0)
     )
