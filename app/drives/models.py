@@ -49,7 +49,7 @@ class CameraRow(Base):
 
 
 class FrameRow(Base):
-    """One moment of a drive."""
+    """One moment of a drive, and where the car was in the city frame, seen from above; NULL where that is not known."""
 
     __tablename__ = "frame"
     __table_args__ = ({"sqlite_with_rowid": False},)
@@ -57,6 +57,9 @@ class FrameRow(Base):
     drive_id: Mapped[int] = mapped_column(ForeignKey("drive.id", ondelete="CASCADE"), primary_key=True)
     frame_index: Mapped[int] = mapped_column(primary_key=True, autoincrement=False)
     timestamp_ns: Mapped[int] = mapped_column(Nanoseconds)
+    ego_x_m: Mapped[float | None]
+    ego_y_m: Mapped[float | None]
+    ego_yaw_rad: Mapped[float | None]
 
 
 class ImageRow(Base):

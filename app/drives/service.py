@@ -17,7 +17,8 @@ from app.settings import Settings
 from app.tracks import repository as tracks_repository
 from app.tracks.repository import LabellingCounts
 from labeler.drive import Drive as RecordedDrive
-from labeler.drive import DriveError, open_drive
+from labeler.drive import DriveError, Poses, open_drive
+from labeler.geometry.se3 import yaw_of
 
 NS_PER_MS = 1_000_000
 
@@ -137,7 +138,12 @@ def add_drive(session: Session, recorded: RecordedDrive, *, path: str, scene: st
     }
     repository.insert_drive(session, drive, cameras.values())
     frames = [
-        {"drive_id": drive.id, "frame_index": frame.index, "timestamp_ns": frame.timestamp_ns}
+        {
+            "drive_id": drive.id,
+            "frame_index": frame.index,
+            "timestamp_ns": frame.timestamp_ns,
+            **_ego_columns(recorded.poses, frame.timestamp_ns),
+        }
         for frame in recorded.frames
     ]
     images = [
@@ -232,6 +238,18 @@ def _state(job: JobRow | None, *, is_labelled: bool) -> DriveState:
             return DriveState.FAILED
         case _:
             return DriveState.READY if is_labelled else DriveState.NEW
+
+
+def _ego_columns(poses: Poses | None, timestamp_ns: int) -> dict[str, float | None]:
+    """Where the car was, as the columns of a frame."""
+    if poses is None:
+        return {"ego_x_m": None, "ego_y_m": None, "ego_yaw_rad": None}
+    city_SE3_ego = poses.at(timestamp_ns)
+    return {
+        "ego_x_m": float(city_SE3_ego[0, 3]),
+        "ego_y_m": float(city_SE3_ego[1, 3]),
+        "ego_yaw_rad": yaw_of(city_SE3_ego),
+    }
 
 
 def _below(root: Path, path: Path) -> str:

@@ -1,4 +1,4 @@
-"""Merges: list, accept, reject, undo."""
+"""Merges: list, look at, accept, reject, leave open, undo."""
 
 from typing import Annotated
 
@@ -6,8 +6,8 @@ from fastapi import APIRouter, Query
 
 from app.db.session import ReadSession, WriteSession
 from app.dependencies import AppSettings
-from app.merges import service
-from app.merges.schemas import Merge, MergeChange, MergeState
+from app.merges import looks, service
+from app.merges.schemas import Merge, MergeChange, MergeLooks, MergeState
 
 router = APIRouter(prefix="/api", tags=["merges"])
 
@@ -22,6 +22,12 @@ def list_merges(
     return service.list_merges(session, drive_id, state)
 
 
+@router.get("/merges/{merge_id}/looks")
+def get_merge_looks(merge_id: int, session: ReadSession) -> MergeLooks:
+    """What there is to see of a merge: looks at both tracks, alone and at the same moment, and their ways."""
+    return looks.looks_of_merge(session, merge_id)
+
+
 @router.post("/merges/{merge_id}/accept")
 def accept_merge(merge_id: int, session: WriteSession, settings: AppSettings) -> MergeChange:
     """Say that the two tracks are one object; 409 where that can't be."""
@@ -32,6 +38,12 @@ def accept_merge(merge_id: int, session: WriteSession, settings: AppSettings) ->
 def reject_merge(merge_id: int, session: WriteSession, settings: AppSettings) -> MergeChange:
     """Say that the two tracks are two objects."""
     return service.reject_merge(session, merge_id, reviewer=settings.reviewer)
+
+
+@router.post("/merges/{merge_id}/unsure")
+def leave_merge_open(merge_id: int, session: WriteSession, settings: AppSettings) -> MergeChange:
+    """Say that it can't be told: the tracks stay apart, and the merge leaves the queue until it is undone."""
+    return service.leave_merge_open(session, merge_id, reviewer=settings.reviewer)
 
 
 @router.post("/merges/{merge_id}/undo")

@@ -52,6 +52,15 @@ def list_by_score(session: Session, labelling_id: int, state: str | None = None)
     return session.scalars(query.order_by(MergeRow.score.desc(), MergeRow.id)).all()
 
 
+def merges_of_tracks(session: Session, labelling_id: int, track_ids: Iterable[int]) -> Sequence[MergeRow]:
+    """Merges that any of these tracks is in, by descending score."""
+    ids = set(track_ids)
+    query = select(MergeRow).where(
+        MergeRow.labelling_id == labelling_id, MergeRow.track_a.in_(ids) | MergeRow.track_b.in_(ids)
+    )
+    return session.scalars(query.order_by(MergeRow.score.desc(), MergeRow.id)).all()
+
+
 def links(session: Session, labelling_id: int) -> list[Link]:
     """Merges that a person accepted, by score, and then those that the machine accepted and no person decided."""
     accepted_by_person = (MergeRow.decided_by == "person") & (MergeRow.state == "accepted")

@@ -7,6 +7,7 @@ from app.identities.linking import TrackFrames, relink
 from app.merges import repository
 from app.merges.impact import Impact
 from app.merges.models import MergeRow
+from app.merges.priority import priority
 from app.merges.schemas import DecidedBy, Merge, MergeChange, MergeFrame, MergeState
 from app.reviews import service as reviews_service
 from app.reviews.schemas import ReviewAction
@@ -32,7 +33,7 @@ def accept_merge(session: Session, merge_id: int, *, reviewer: str) -> MergeChan
     """A person says that the two tracks are one object.
 
     CannotLink where that would put two tracks of one camera that share a frame into one identity."""
-    merge = _require_current(session, merge_id)
+    merge = require_current(session, merge_id)
     if merge.state != MergeState.ACCEPTED:
         _require_linkable(session, merge)
     return _decide(session, merge, ReviewAction.ACCEPT, MergeState.ACCEPTED, reviewer)
@@ -40,12 +41,17 @@ def accept_merge(session: Session, merge_id: int, *, reviewer: str) -> MergeChan
 
 def reject_merge(session: Session, merge_id: int, *, reviewer: str) -> MergeChange:
     """A person says that the two tracks are two objects."""
-    return _decide(session, _require_current(session, merge_id), ReviewAction.REJECT, MergeState.REJECTED, reviewer)
+    return _decide(session, require_current(session, merge_id), ReviewAction.REJECT, MergeState.REJECTED, reviewer)
+
+
+def leave_merge_open(session: Session, merge_id: int, *, reviewer: str) -> MergeChange:
+    """A person can't tell whether the two tracks are one object; they stay apart."""
+    return _decide(session, require_current(session, merge_id), ReviewAction.UNSURE, MergeState.UNSURE, reviewer)
 
 
 def undo_merge(session: Session, merge_id: int, *, reviewer: str) -> MergeChange:
     """What a person said is taken back, and what the machine said holds again, as far as it fits."""
-    merge = _require_current(session, merge_id)
+    merge = require_current(session, merge_id)
     if merge.decided_by != DecidedBy.PERSON:
         raise Conflict(
             f"Nobody has decided about the merge of tracks {merge.track_a} and {merge.track_b}, so there is nothing to "
@@ -74,21 +80,29 @@ def _apply(session: Session, merge: MergeRow) -> MergeChange:
 
 
 def _change(session: Session, merge: MergeRow, *, changed_label_count: int) -> MergeChange:
-    pair = tracks_repository.tracks_with(session, merge.labelling_id, (merge.track_a, merge.track_b))
-    tracks = tracks_repository.tracks_of_identities(session, merge.labelling_id, [track.identity_id for track in pair])
-    drive = tracks_repository.drive_of_labelling(session, merge.labelling_id)
+    labelling_id = merge.labelling_id
+    pair = tracks_repository.tracks_with(session, labelling_id, (merge.track_a, merge.track_b))
+    identity_ids = {track.identity_id for track in pair}
+    near = tracks_repository.tracks_of_identities(session, labelling_id, identity_ids)
+    rows = repository.merges_of_tracks(session, labelling_id, [track.track_id for track in near])
+    tracks = tracks_repository.tracks_of_same_identities(
+        session, labelling_id, {track for row in rows for track in (row.track_a, row.track_b)}
+    )
+    drive = tracks_repository.drive_of_labelling(session, labelling_id)
     session.refresh(drive)
     cameras = tracks_repository.camera_names(session, drive.id)
-    impact = Impact(tracks, repository.accepted_pairs(session, merge.labelling_id))
+    impact = Impact(tracks, repository.accepted_pairs(session, labelling_id))
+    camera_of = {track.track_id: cameras[track.camera_id] for track in tracks}
     return MergeChange(
-        merge=_to_merge(merge, impact, {track.track_id: cameras[track.camera_id] for track in tracks}),
+        merge=_to_merge(merge, impact, camera_of),
+        merges=[_to_merge(row, impact, camera_of) for row in rows],
         changed_label_count=changed_label_count,
-        identity_ids=sorted({track.identity_id for track in pair}),
+        identity_ids=sorted(identity_ids),
         revision=drive.revision,
     )
 
 
-def _require_current(session: Session, merge_id: int) -> MergeRow:
+def require_current(session: Session, merge_id: int) -> MergeRow:
     """The merge; NotFound where there is none, or where the drive has been labelled again since."""
     merge = repository.find(session, merge_id)
     if merge is None or not tracks_repository.is_current(session, merge.labelling_id):
@@ -120,6 +134,7 @@ def _require_linkable(session: Session, merge: MergeRow) -> None:
 
 
 def _to_merge(row: MergeRow, impact: Impact, camera_of: dict[int, str]) -> Merge:
+    label_count = impact.label_count(row)
     return Merge(
         id=row.id,
         track_a=row.track_a,
@@ -127,6 +142,7 @@ def _to_merge(row: MergeRow, impact: Impact, camera_of: dict[int, str]) -> Merge
         camera_a=camera_of[row.track_a],
         camera_b=camera_of[row.track_b],
         score=row.score,
+        probability=row.score,
         state=MergeState(row.state),
         decided_by=DecidedBy(row.decided_by),
         shared_frames=row.shared_frames,
@@ -135,7 +151,8 @@ def _to_merge(row: MergeRow, impact: Impact, camera_of: dict[int, str]) -> Merge
         mean_bev_iou=row.mean_bev_iou,
         reason=row.reason,
         best_frames=[MergeFrame.model_validate(frame) for frame in row.best_frames],
-        label_count=impact.label_count(row),
+        label_count=label_count,
+        priority=priority(label_count, row.score),
         identity_a=impact.identity_of(row.track_a),
         identity_b=impact.identity_of(row.track_b),
     )

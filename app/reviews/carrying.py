@@ -20,6 +20,11 @@ from app.tracks import repository as tracks_repository
 from labeler.geometry.boxes_2d import iou_matrix
 
 MIN_IOU = 0.5
+STATE_AFTER = {
+    ReviewAction.ACCEPT: "accepted",
+    ReviewAction.REJECT: "rejected",
+    ReviewAction.UNSURE: "unsure",
+}
 
 
 @dataclass(frozen=True)
@@ -106,8 +111,7 @@ def _decide(merge: MergeRow, action: ReviewAction) -> None:
     if action is ReviewAction.UNDO:
         merge.state, merge.decided_by = merge.machine_state, "machine"
     else:
-        merge.state = "accepted" if action is ReviewAction.ACCEPT else "rejected"
-        merge.decided_by = "person"
+        merge.state, merge.decided_by = STATE_AFTER[action], "person"
 
 
 def _settle(session: Session, labelling_id: int, decided: dict[int, MergeRow]) -> int:

@@ -8,6 +8,7 @@ from pydantic import BaseModel
 class ReviewAction(StrEnum):
     ACCEPT = "accept"
     REJECT = "reject"
+    UNSURE = "unsure"
     UNDO = "undo"
 
 

@@ -105,7 +105,10 @@ class Box3DRow(Base):
     """A 3D box made for one camera direction, in the ego frame [m, rad]; ``track_id`` is NULL where no track has it."""
 
     __tablename__ = "box3d"
-    __table_args__ = ({"sqlite_with_rowid": False},)
+    __table_args__ = (
+        Index(None, "labelling_id", "track_id"),
+        {"sqlite_with_rowid": False},
+    )
 
     labelling_id: Mapped[int] = mapped_column(ForeignKey("labelling.id", ondelete="CASCADE"), primary_key=True)
     frame_index: Mapped[int] = mapped_column(primary_key=True, autoincrement=False)

@@ -70,6 +70,19 @@ class LabelledFrames(NamedTuple):
     donors: dict[tuple[int, int], DonorObservation]
 
 
+class Sighting(NamedTuple):
+    """A track in one image, as the detector saw it; ``score`` is None where the tracker filled the box in."""
+
+    track_id: int
+    frame_index: int
+    x1_px: float
+    y1_px: float
+    x2_px: float
+    y2_px: float
+    class_id: int
+    score: float | None
+
+
 class TrackedBox(NamedTuple):
     """A box of a track in one image."""
 
@@ -185,6 +198,13 @@ def tracks_of_identities(session: Session, labelling_id: int, identity_ids: Iter
     return session.scalars(query.order_by(TrackRow.track_id)).all()
 
 
+def tracks_of_same_identities(session: Session, labelling_id: int, track_ids: Iterable[int]) -> Sequence[TrackRow]:
+    """All tracks of the identities that a few tracks are in, in order of id."""
+    return tracks_of_identities(
+        session, labelling_id, {track.identity_id for track in tracks_with(session, labelling_id, track_ids)}
+    )
+
+
 def tracks_with(session: Session, labelling_id: int, track_ids: Iterable[int]) -> list[TrackRow]:
     """The tracks of these ids, in order of id."""
     ids = sorted(track_ids)
@@ -212,6 +232,30 @@ def observation_at(session: Session, labelling_id: int, track_id: int, frame_ind
         ObservationRow.frame_index == frame_index,
     )
     return session.scalars(query).one()
+
+
+def sightings_of_tracks(session: Session, labelling_id: int, track_ids: Iterable[int]) -> list[Sighting]:
+    """Every observation of some tracks, by track and frame."""
+    query = (
+        select(
+            ObservationRow.track_id,
+            ObservationRow.frame_index,
+            ObservationRow.x1_px,
+            ObservationRow.y1_px,
+            ObservationRow.x2_px,
+            ObservationRow.y2_px,
+            ObservationRow.class_id,
+            ObservationRow.score,
+        )
+        .where(ObservationRow.labelling_id == labelling_id)
+        .order_by(ObservationRow.track_id, ObservationRow.frame_index)
+    )
+    ids = sorted(track_ids)
+    return [
+        Sighting._make(row)
+        for start in range(0, len(ids), IDS_PER_QUERY)
+        for row in session.execute(query.where(ObservationRow.track_id.in_(ids[start : start + IDS_PER_QUERY])))
+    ]
 
 
 def boxes_in_image(session: Session, labelling_id: int, camera_id: int, frame_index: int) -> list[TrackedBox]:

@@ -232,6 +232,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/merges/{merge_id}/looks": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Merge Looks
+         * @description What there is to see of a merge: looks at both tracks, alone and at the same moment, and their ways.
+         */
+        get: operations["get_merge_looks"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/merges/{merge_id}/accept": {
         parameters: {
             query?: never;
@@ -266,6 +286,26 @@ export interface paths {
          * @description Say that the two tracks are two objects.
          */
         post: operations["reject_merge"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/merges/{merge_id}/unsure": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Leave Merge Open
+         * @description Say that it can't be told: the tracks stay apart, and the merge leaves the queue until it is undone.
+         */
+        post: operations["leave_merge_open"];
         delete?: never;
         options?: never;
         head?: never;
@@ -455,7 +495,7 @@ export interface paths {
         };
         /**
          * Get Image
-         * @description The image of one camera in one frame.
+         * @description The image of one camera in one frame, or a part of it.
          */
         get: operations["get_image"];
         put?: never;
@@ -935,6 +975,34 @@ export interface components {
          */
         LabelSource: "auto" | "propagated" | "human";
         /**
+         * Look
+         * @description A track in one image, as the detector saw it; ``score`` is null where the tracker filled the box in.
+         */
+        Look: {
+            /** Track Id */
+            track_id: number;
+            /** Identity Id */
+            identity_id: number;
+            /** Camera */
+            camera: string;
+            /** Frame Index */
+            frame_index: number;
+            /**
+             * Box
+             * @description x1, y1, x2, y2 in pixels of the original image.
+             */
+            box: [
+                number,
+                number,
+                number,
+                number
+            ];
+            /** Class Name */
+            class_name: string;
+            /** Score */
+            score: number | null;
+        };
+        /**
          * Merge
          * @description A claim that two tracks are one object, with its evidence.
          */
@@ -951,6 +1019,11 @@ export interface components {
             camera_b: string;
             /** Score */
             score: number;
+            /**
+             * Probability
+             * @description How likely it is that both tracks are one object, from 0 to 1.
+             */
+            probability: number;
             state: components["schemas"]["MergeState"];
             decided_by: components["schemas"]["DecidedBy"];
             /** Shared Frames */
@@ -970,6 +1043,11 @@ export interface components {
              * @description How many labels accepting or undoing it changes.
              */
             label_count: number;
+            /**
+             * Priority
+             * @description Impact times uncertainty: label_count times the entropy of the probability in bits. The queue goes from high to low.
+             */
+            priority: number;
             /** Identity A */
             identity_a: number;
             /** Identity B */
@@ -978,9 +1056,13 @@ export interface components {
         /**
          * MergeChange
          * @description What a decision changed; ``identity_ids`` are the identities that its tracks are in afterwards.
+         *
+         *     ``merges`` are the merges of all tracks of these identities, as they are now, this one among them.
          */
         MergeChange: {
             merge: components["schemas"]["Merge"];
+            /** Merges */
+            merges: components["schemas"]["Merge"][];
             /** Changed Label Count */
             changed_label_count: number;
             /** Identity Ids */
@@ -1003,6 +1085,29 @@ export interface components {
             iou_3d: number;
         };
         /**
+         * MergeLooks
+         * @description What there is to see of a merge. ``ego`` is the way of the car that recorded, empty without poses.
+         */
+        MergeLooks: {
+            /** Merge Id */
+            merge_id: number;
+            /** @description city: ways are over ground; ego: relative to the car, which has no poses. */
+            frame: components["schemas"]["PathFrame"];
+            /** Sides */
+            sides: [
+                components["schemas"]["MergeSide"],
+                components["schemas"]["MergeSide"]
+            ];
+            /** Moments */
+            moments: components["schemas"]["Moment"][];
+            /**
+             * Strip
+             * @description Looks at all tracks of both identities in order of time.
+             */
+            strip: components["schemas"]["Look"][];
+            ego: components["schemas"]["Way"];
+        };
+        /**
          * MergeScores
          * @description Vehicles in two or more cameras that were found or missed, and identities of several true objects.
          */
@@ -1015,10 +1120,30 @@ export interface components {
             missed: number;
         };
         /**
+         * MergeSide
+         * @description One of the two tracks of a merge; ``way`` is empty where it has no 3D box.
+         */
+        MergeSide: {
+            /** Track Id */
+            track_id: number;
+            /** Identity Id */
+            identity_id: number;
+            /** Camera */
+            camera: string;
+            /** Class Name */
+            class_name: string;
+            /** First Frame */
+            first_frame: number;
+            /** Last Frame */
+            last_frame: number;
+            best: components["schemas"]["Look"];
+            way: components["schemas"]["Way"];
+        };
+        /**
          * MergeState
          * @enum {string}
          */
-        MergeState: "proposed" | "accepted" | "rejected";
+        MergeState: "proposed" | "accepted" | "rejected" | "unsure";
         /**
          * Method
          * @description The detector alone, tracks inside each camera, identities over all cameras.
@@ -1036,6 +1161,19 @@ export interface components {
             name: string;
             /** Default */
             default: boolean;
+        };
+        /**
+         * Moment
+         * @description Both tracks at the same time, or as near to it as they come; ``distance_m`` is null without 3D boxes there.
+         */
+        Moment: {
+            /** Looks */
+            looks: [
+                components["schemas"]["Look"],
+                components["schemas"]["Look"]
+            ];
+            /** Distance M */
+            distance_m: number | null;
         };
         /**
          * Observation
@@ -1078,6 +1216,12 @@ export interface components {
             /** Frames */
             frames: components["schemas"]["FrameObservations"][];
         };
+        /**
+         * PathFrame
+         * @description What positions are relative to: the ground, or the moving car.
+         * @enum {string}
+         */
+        PathFrame: "city" | "ego";
         /**
          * PrecisionRecallCurve
          * @description Precision and recall of whole boxes over all cameras, by threshold.
@@ -1218,6 +1362,42 @@ export interface components {
          * @enum {string}
          */
         TruthKind: "whole" | "visible";
+        /**
+         * Way
+         * @description Places in order of time, seen from above, a value each in every column; the car's own has no sizes.
+         */
+        Way: {
+            /**
+             * Frame Index
+             * @default []
+             */
+            frame_index: number[];
+            /**
+             * X M
+             * @default []
+             */
+            x_m: number[];
+            /**
+             * Y M
+             * @default []
+             */
+            y_m: number[];
+            /**
+             * Yaw Rad
+             * @default []
+             */
+            yaw_rad: number[];
+            /**
+             * Length M
+             * @default []
+             */
+            length_m: number[];
+            /**
+             * Width M
+             * @default []
+             */
+            width_m: number[];
+        };
     };
     responses: never;
     parameters: never;
@@ -1641,6 +1821,37 @@ export interface operations {
             };
         };
     };
+    get_merge_looks: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                merge_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MergeLooks"];
+                };
+            };
+            /** @description What was wrong, where, and what to do. */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
     accept_merge: {
         parameters: {
             query?: never;
@@ -1673,6 +1884,37 @@ export interface operations {
         };
     };
     reject_merge: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                merge_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MergeChange"];
+                };
+            };
+            /** @description What was wrong, where, and what to do. */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    leave_merge_open: {
         parameters: {
             query?: never;
             header?: never;
@@ -1998,6 +2240,8 @@ export interface operations {
             query?: {
                 /** @description Shrink wider images to this width. */
                 max_width?: number | null;
+                /** @description Cut out x,y,width,height (original pixels). */
+                crop?: string | null;
             };
             header?: never;
             path: {

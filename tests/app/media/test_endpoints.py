@@ -47,6 +47,32 @@ def test_images_are_shrunk(client: Browser, drive_id: int, max_width: int, size:
     assert _decode(answer.content).shape[:2] == size
 
 
+def test_a_part_is_cut_out(client: Browser, drive_id: int) -> None:
+    url = f"/api/drives/{drive_id}/frames/2/images/right"
+    whole = client.get(url)
+    part = client.get(url, params={"crop": "10,20,30,16"})
+    assert _decode(part.content).shape[:2] == (16, 30)
+    assert part.headers["etag"] != whole.headers["etag"]
+    # what sticks out of 96 x 64 is left away; shrunk after it was cut
+    assert _decode(client.get(url, params={"crop": "80,0,100,100"}).content).shape[:2] == (64, 16)
+    assert _decode(client.get(url, params={"crop": "0,0,64,32", "max_width": 32}).content).shape[:2] == (16, 32)
+
+
+@pytest.mark.parametrize(
+    ("crop", "words"),
+    [
+        ("96,0,10,10", "holds nothing"),  # beside the image
+        ("0,0,0,10", "holds nothing"),  # no width
+        ("-1,0,10,10", "not valid"),
+        ("1,2,3", "not valid"),
+    ],
+)
+def test_a_part_that_is_none_is_refused(client: Browser, drive_id: int, crop: str, words: str) -> None:
+    answer = client.get(f"/api/drives/{drive_id}/frames/2/images/right", params={"crop": crop})
+    assert answer.status_code == 422
+    assert words in answer.json()["detail"]["message"]
+
+
 def test_a_png_comes_as_jpeg(store: Store, client: Browser, drive_id: int, tmp_path: Path) -> None:
     png = tmp_path / "image.png"
     cv2.imwrite(str(png), np.full((20, 30, 3), 77, np.uint8))

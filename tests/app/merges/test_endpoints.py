@@ -105,6 +105,33 @@ def test_a_merge_of_the_machine_gives_way_to_a_person_and_comes_back(page: Page)
     assert page.merge(1, 2)["state"] == "accepted"
 
 
+def test_a_merge_that_cannot_be_told_keeps_its_tracks_apart_until_that_is_undone(page: Page) -> None:
+    before = page.everything()
+    left_open = page.decide("unsure", 3, 4)
+    assert (left_open["merge"]["state"], left_open["merge"]["decided_by"]) == ("unsure", "person")
+    assert left_open["changed_label_count"] == 0
+    assert page.get("merges", state="unsure")[0]["track_b"] == 4
+    page.decide("undo", 3, 4)
+    assert page.everything() == before
+    # one that the machine made comes apart: nobody vouches for it
+    assert page.decide("unsure", 1, 2)["identity_ids"] == [1, 2]
+    page.decide("undo", 1, 2)
+    assert page.everything() == before
+
+
+def test_a_change_tells_all_merges_that_it_touches(page: Page) -> None:
+    change = page.decide("accept", 2, 4)
+    # 1, 2 and 4 are one identity now: every merge here has one of them
+    assert {(merge["track_a"], merge["track_b"]) for merge in change["merges"]} == {(1, 2), (1, 3), (3, 4), (2, 4)}
+    assert {merge["id"]: merge for merge in change["merges"]} == {merge["id"]: merge for merge in page.get("merges")}
+
+
+def test_the_queue_is_ordered_by_impact_times_uncertainty(page: Page) -> None:
+    found = {(merge["track_a"], merge["track_b"]): merge for merge in page.get("merges")}
+    assert found[1, 3]["priority"] == 4.0  # 4 labels, probability .5: one bit
+    assert found[1, 2]["priority"] == pytest.approx(4 * 0.721928, abs=1e-3)  # 4 labels, .8
+
+
 def test_a_decision_said_twice_is_one(page: Page, store: Store) -> None:
     first = page.decide("accept", 3, 4)
     second = page.decide("accept", 3, 4)
