@@ -1,5 +1,7 @@
 """Merges for the page, and a person's decisions about them."""
 
+from collections.abc import Iterable
+
 from app.db.session import Session
 from app.drives import repository as drives_repository
 from app.errors import CannotLink, Conflict, NotFound
@@ -76,15 +78,16 @@ def _apply(session: Session, merge: MergeRow) -> MergeChange:
     drive = tracks_repository.drive_of_labelling(session, merge.labelling_id)
     drives_repository.raise_revision(session, drive.id)
     session.refresh(merge)
-    return _change(session, merge, changed_label_count=relinked.changed_label_count)
+    return _change(session, merge, near=relinked.identity_ids, changed_label_count=relinked.changed_label_count)
 
 
-def _change(session: Session, merge: MergeRow, *, changed_label_count: int) -> MergeChange:
+def _change(session: Session, merge: MergeRow, *, near: Iterable[int] = (), changed_label_count: int) -> MergeChange:
+    """``near`` are the identities that the decision reached, beside those of the merge's own tracks."""
     labelling_id = merge.labelling_id
     pair = tracks_repository.tracks_with(session, labelling_id, (merge.track_a, merge.track_b))
     identity_ids = {track.identity_id for track in pair}
-    near = tracks_repository.tracks_of_identities(session, labelling_id, identity_ids)
-    rows = repository.merges_of_tracks(session, labelling_id, [track.track_id for track in near])
+    reached = tracks_repository.tracks_of_identities(session, labelling_id, identity_ids | set(near))
+    rows = repository.merges_of_tracks(session, labelling_id, [track.track_id for track in reached])
     tracks = tracks_repository.tracks_of_same_identities(
         session, labelling_id, {track for row in rows for track in (row.track_a, row.track_b)}
     )

@@ -1,8 +1,9 @@
 /** What the page reads from the server, with one key for each. */
 
-import { keepPreviousData, QueryClient, queryOptions } from "@tanstack/react-query";
+import { keepPreviousData, QueryClient, queryOptions, replaceEqualDeep } from "@tanstack/react-query";
+import { keepPriorities } from "../review/queue/queueLists";
 import { ApiError, api, unwrap } from "./client";
-import type { Drive, DriveDetail, Track } from "./types";
+import type { Drive, DriveDetail, Merge, MergeLooks, Track } from "./types";
 
 export const queryClient = new QueryClient({
   defaultOptions: {
@@ -70,6 +71,20 @@ export const mergesQuery = (id: number) =>
   queryOptions({
     queryKey: mergesKey(id),
     queryFn: ({ signal }) => unwrap(api.GET("/api/drives/{drive_id}/merges", { ...at(id), signal })),
+    structuralSharing: (before, after) =>
+      replaceEqualDeep(before, keepPriorities(before as Merge[] | undefined, after as Merge[])),
+  });
+
+/** What there is to see of a merge. Only whose identity a look is of can change; what is shown stays until it is new. */
+export const mergeLooksQuery = (driveId: number, mergeId: number) =>
+  queryOptions({
+    queryKey: ["drive", driveId, "looks", mergeId],
+    queryFn: async ({ signal }) => {
+      const path = { merge_id: mergeId };
+      // openapi-fetch forgets that a merge has exactly two sides.
+      return (await unwrap(api.GET("/api/merges/{merge_id}/looks", { params: { path }, signal }))) as MergeLooks;
+    },
+    staleTime: Number.POSITIVE_INFINITY,
   });
 
 /** Counted anew by the server each time, in seconds for a long drive: so once for each revision of the labels. */

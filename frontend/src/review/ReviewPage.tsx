@@ -1,7 +1,7 @@
 import { ActionIcon, Button, Center, Loader, Text, Tooltip } from "@mantine/core";
-import { IconChartLine, IconCube3dSphere, IconKeyboard } from "@tabler/icons-react";
+import { IconChartLine, IconCube3dSphere, IconGitMerge, IconKeyboard } from "@tabler/icons-react";
 import { useQuery } from "@tanstack/react-query";
-import { useCallback, useEffect, useState } from "react";
+import { lazy, Suspense, useCallback, useEffect, useState } from "react";
 import { Link } from "wouter";
 import { messageOf } from "../api/client";
 import { driveQuery } from "../api/queries";
@@ -17,12 +17,14 @@ import { CameraGrid } from "./cameras/CameraGrid";
 import { Key, withKey } from "./keys/Key";
 import { KeyHelp } from "./keys/KeyHelp";
 import { useKeys } from "./keys/useKeys";
-import { ReviewProvider } from "./ReviewContext";
+import { ReviewProvider, useReview, useShared } from "./ReviewContext";
 import classes from "./ReviewPage.module.css";
 import { SidePanel } from "./SidePanel";
 import { SceneView } from "./scene/SceneView";
 import { Timeline } from "./timeline/Timeline";
 import { usePlayback } from "./timeline/usePlayback";
+
+const QueueView = lazy(() => import("./queue/QueueView").then((module) => ({ default: module.QueueView })));
 
 /** One drive: the pictures, what the machine says about them, and the decisions. */
 export function ReviewPage({ driveId }: { driveId: number }) {
@@ -67,6 +69,8 @@ function Review({ drive }: { drive: DriveDetail }) {
   const [helpOpen, setHelpOpen] = useState(false);
   const [mergesShown, setMergesShown] = useState<MergeState>("proposed");
   const showMerges = useCallback((state: MergeState) => setMergesShown(state), []);
+  const { store } = useShared();
+  const view = useReview((state) => state.view);
   usePlayback();
   useEffect(() => {
     document.title = `${drive.name} · ${text.app.name}`;
@@ -104,36 +108,42 @@ function Review({ drive }: { drive: DriveDetail }) {
         )}
       </Header>
       <Unlabelled drive={drive} />
-      <div className={classes.body}>
-        <main className={classes.main}>
-          <CameraGrid />
-          <Timeline />
-        </main>
-        <aside className={classes.side} style={{ width: panelWidth }}>
-          <Splitter
-            orientation="vertical"
-            label={text.review.resizePanel}
-            size={panelWidth}
-            {...PANEL}
-            onChange={setPanelWidth}
-          />
-          <div className={classes.panels}>
-            <SidePanel width={panelWidth} mergesShown={mergesShown} onShowMerges={showMerges} />
-            {sceneOpen && (
-              <>
-                <Splitter
-                  orientation="horizontal"
-                  label={text.scene.resize}
-                  size={sceneHeight}
-                  {...SCENE}
-                  onChange={setSceneHeight}
-                />
-                <SceneView height={sceneHeight} onClose={() => setSceneOpen(false)} />
-              </>
-            )}
-          </div>
-        </aside>
-      </div>
+      {view === "queue" ? (
+        <Suspense fallback={<div className={classes.body} />}>
+          <QueueView onClose={() => store.getState().setView("cameras")} />
+        </Suspense>
+      ) : (
+        <div className={classes.body}>
+          <main className={classes.main}>
+            <CameraGrid />
+            <Timeline />
+          </main>
+          <aside className={classes.side} style={{ width: panelWidth }}>
+            <Splitter
+              orientation="vertical"
+              label={text.review.resizePanel}
+              size={panelWidth}
+              {...PANEL}
+              onChange={setPanelWidth}
+            />
+            <div className={classes.panels}>
+              <SidePanel width={panelWidth} mergesShown={mergesShown} onShowMerges={showMerges} />
+              {sceneOpen && (
+                <>
+                  <Splitter
+                    orientation="horizontal"
+                    label={text.scene.resize}
+                    size={sceneHeight}
+                    {...SCENE}
+                    onChange={setSceneHeight}
+                  />
+                  <SceneView height={sceneHeight} onClose={() => setSceneOpen(false)} />
+                </>
+              )}
+            </div>
+          </aside>
+        </div>
+      )}
       <KeyHelp opened={helpOpen} onClose={() => setHelpOpen(false)} />
     </div>
   );
@@ -149,6 +159,7 @@ interface ActionsProps {
 function Actions({ drive, sceneOpen, onScene, onHelp }: ActionsProps) {
   return (
     <>
+      {drive.state === "ready" && <QueueButton />}
       {drive.state === "ready" && (
         <Button
           component={Link}
@@ -176,6 +187,24 @@ function Actions({ drive, sceneOpen, onScene, onHelp }: ActionsProps) {
         </ActionIcon>
       </Tooltip>
     </>
+  );
+}
+
+/** The way into the merge queue, and out of it. */
+function QueueButton() {
+  const { store } = useShared();
+  const open = useReview((state) => state.view === "queue");
+  return (
+    <Button
+      size="xs"
+      variant={open ? "light" : "default"}
+      aria-pressed={open}
+      leftSection={<IconGitMerge size={16} />}
+      rightSection={<Key action="queue" />}
+      onClick={() => store.getState().setView(open ? "cameras" : "queue")}
+    >
+      {text.queue.name}
+    </Button>
   );
 }
 

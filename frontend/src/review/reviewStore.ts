@@ -1,7 +1,7 @@
 /** What a person does on the review page: where the playhead stands, what is selected, what is open. */
 
 import { createStore, type StoreApi } from "zustand";
-import { TABS, type Tab, type UrlState } from "./urlState";
+import { TABS, type Tab, type UrlState, type View } from "./urlState";
 
 export interface Hover {
   identityId: number;
@@ -25,6 +25,7 @@ export interface ReviewState extends UrlState {
   selectMerge: (mergeId: number, identityIds: number[], frame: number | null) => void;
   setHover: (hover: Hover | null) => void;
   setTab: (tab: Tab) => void;
+  setView: (view: View) => void;
   setEnlarged: (camera: string | null) => void;
   setDecided: (decided: number[]) => void;
   clear: () => void;
@@ -58,6 +59,7 @@ export function createReviewStore(initial: UrlState, frameCount: number): Review
       }),
     setHover: (hover) => set({ hover }),
     setTab: (tab) => set({ tab }),
+    setView: (view) => set({ view, playing: false }),
     setEnlarged: (enlarged) => set({ enlarged }),
     setDecided: (decided) => set({ decided }),
     clear: () => set({ identityIds: [], mergeId: null, hover: null }),

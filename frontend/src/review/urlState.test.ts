@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 import { readUrl, type UrlState, writeUrl } from "./urlState";
 
-const fresh: UrlState = { frame: 0, identityIds: [], tab: "merges", mergeId: null };
+const fresh: UrlState = { view: "cameras", frame: 0, identityIds: [], tab: "merges", mergeId: null };
 
 describe("the page's address", () => {
   it.each<[string, UrlState]>([
@@ -9,6 +9,7 @@ describe("the page's address", () => {
     ["?frame=12", { ...fresh, frame: 12 }],
     ["?frame=12&identity=7", { ...fresh, frame: 12, identityIds: [7] }],
     ["?identity=7,9&merge=3", { ...fresh, identityIds: [7, 9], mergeId: 3 }],
+    ["?view=queue&merge=3", { ...fresh, view: "queue", mergeId: 3 }],
     ["?identity=0&tab=selected", { ...fresh, identityIds: [0], tab: "selected" }],
   ])("%s is read and written as it was", (search, state) => {
     expect(readUrl(search)).toEqual(state);
@@ -21,6 +22,7 @@ describe("the page's address", () => {
     ["?frame=99999999999999999999", fresh],
     ["?identity=,x,4,4", { ...fresh, identityIds: [4] }],
     ["?tab=secret", fresh],
+    ["?view=attic", fresh],
   ])("%s: what makes no sense is left out", (search, state) => {
     expect(readUrl(search)).toEqual(state);
   });

@@ -3,7 +3,11 @@
 export type Tab = "merges" | "identities" | "selected" | "export";
 export const TABS: readonly Tab[] = ["merges", "identities", "selected", "export"];
 
+/** What fills the page: the cameras with their panel, or the merge queue. */
+export type View = "cameras" | "queue";
+
 export interface UrlState {
+  view: View;
   frame: number;
   identityIds: number[];
   tab: Tab;
@@ -20,6 +24,7 @@ export function readUrl(search: string): UrlState {
   const ids = (query.get("identity") ?? "").split(",").map((part) => wholeNumber(part));
   const tab = query.get("tab") as Tab | null;
   return {
+    view: query.get("view") === "queue" ? "queue" : "cameras",
     frame: wholeNumber(query.get("frame")) ?? 0,
     identityIds: [...new Set(ids.filter((id) => id !== null))],
     tab: tab && TABS.includes(tab) ? tab : "merges",
@@ -30,6 +35,7 @@ export function readUrl(search: string): UrlState {
 /** Writes what differs from a fresh page. */
 export function writeUrl(state: UrlState): string {
   const parts: string[] = [];
+  if (state.view !== "cameras") parts.push(`view=${state.view}`);
   if (state.frame !== 0) parts.push(`frame=${state.frame}`);
   if (state.identityIds.length > 0) parts.push(`identity=${state.identityIds.join(",")}`);
   if (state.tab !== "merges") parts.push(`tab=${state.tab}`);

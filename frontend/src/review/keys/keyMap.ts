@@ -14,7 +14,9 @@ export type Action =
   | "previousMerge"
   | "accept"
   | "reject"
+  | "unsure"
   | "undo"
+  | "queue"
   | "goToDonor"
   | "clear"
   | "toggleScene"
@@ -50,7 +52,9 @@ export const KEY_MAP: readonly KeyBinding[] = [
   { action: "previousMerge", keys: ["k", "ArrowUp"], group: "decide" },
   { action: "accept", keys: ["a", "Mod+Enter"], group: "decide" },
   { action: "reject", keys: ["r"], group: "decide" },
+  { action: "unsure", keys: ["s", "Mod+ "], group: "decide" },
   { action: "undo", keys: ["u", "Mod+z"], group: "decide" },
+  { action: "queue", keys: ["q"], group: "view" },
   { action: "goToDonor", keys: ["g"], group: "view" },
   { action: "enlarge", keys: ["e"], group: "view" },
   { action: "zoomIn", keys: ["+", "="], group: "view" },

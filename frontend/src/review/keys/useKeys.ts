@@ -7,7 +7,7 @@ import type { Merge } from "../../api/types";
 import { inCarOrder } from "../cameras/layout";
 import { useIdentityList } from "../identities/identityList";
 import { mergesOf, stepMerge } from "../merges/order";
-import { useDecisions } from "../merges/useDecisions";
+import { type Decision, useDecisions } from "../merges/useDecisions";
 import { useShared } from "../ReviewContext";
 import { perform, useActions } from "./actions";
 import { useBindings } from "./bindings";
@@ -46,7 +46,7 @@ export function useKeys(page: Page): void {
       if (next) open(next);
     }
   };
-  const decideOpen = (decision: "accept" | "reject") => {
+  const decideOpen = (decision: Decision) => {
     const merge = openMerge();
     if (merge) decide(merge, decision);
   };
@@ -63,6 +63,8 @@ export function useKeys(page: Page): void {
     previousMerge: () => step(-1),
     accept: () => decideOpen("accept"),
     reject: () => decideOpen("reject"),
+    unsure: () => decideOpen("unsure"),
+    queue: () => store.getState().setView(store.getState().view === "queue" ? "cameras" : "queue"),
     undo: undoLast,
     goToDonor: () => {
       const identities = client.getQueryData(identitiesQuery(driveId).queryKey) ?? [];

@@ -16,11 +16,12 @@ import classes from "./MergesPanel.module.css";
 import { mergesOf } from "./order";
 import { useDecisions } from "./useDecisions";
 
-const STATES: MergeState[] = ["proposed", "accepted", "rejected"];
+const STATES: MergeState[] = ["proposed", "accepted", "rejected", "unsure"];
 const NONE: Record<MergeState, string> = {
   proposed: text.merges.noneProposed,
   accepted: text.merges.noneAccepted,
   rejected: text.merges.noneRejected,
+  unsure: text.merges.noneUnsure,
 };
 
 interface MergesPanelProps {

@@ -2,15 +2,14 @@ import { describe, expect, it } from "vitest";
 import type { Merge } from "../../api/types";
 import { afterDecision, mergesOf, stepMerge } from "./order";
 
-const merge = (id: number, score: number, label_count = 1, state: Merge["state"] = "proposed") =>
-  ({ id, score, label_count, state }) as Merge;
+const merge = (id: number, priority: number, state: Merge["state"] = "proposed") => ({ id, priority, state }) as Merge;
 
 const queue = [merge(1, 0.9), merge(2, 0.8), merge(3, 0.7)];
 
 describe("the queue of merges", () => {
-  it("puts the surest first, then the one that changes more, then the older", () => {
-    const all = [merge(4, 0.5, 1), merge(5, 0.5, 9), merge(6, 0.5, 1), merge(7, 0.9), merge(8, 0.99, 1, "accepted")];
-    expect(mergesOf(all, "proposed").map((one) => one.id)).toEqual([7, 5, 4, 6]);
+  it("puts what matters most first, then the older", () => {
+    const all = [merge(4, 0.5), merge(5, 9), merge(3, 0.5), merge(8, 99, "accepted")];
+    expect(mergesOf(all, "proposed").map((one) => one.id)).toEqual([5, 3, 4]);
     expect(mergesOf(all, "accepted").map((one) => one.id)).toEqual([8]);
   });
 

@@ -1,12 +1,11 @@
 /** Which merge comes next, and what the list shows. */
 
 import type { Merge, MergeState } from "../../api/types";
+import { byPriority } from "../queue/queueLists";
 
-/** Merges of a state, the surest first; of equal score the one that changes more labels. */
+/** Merges of a state, by impact times uncertainty. */
 export function mergesOf(merges: readonly Merge[], state: MergeState): Merge[] {
-  return merges
-    .filter((merge) => merge.state === state)
-    .sort((a, b) => b.score - a.score || b.label_count - a.label_count || a.id - b.id);
+  return merges.filter((merge) => merge.state === state).sort(byPriority);
 }
 
 /** The merge `step` places after the given one; at an end, that end. Without a current one, the first. */

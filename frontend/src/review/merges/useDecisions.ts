@@ -1,6 +1,6 @@
 /** Accept, reject, undo: shown at once, saved behind it, taken back with the server's sentence if it refuses. */
 
-import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
+import { type QueryClient, useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
 import { useCallback, useMemo } from "react";
 import { create } from "zustand";
 import { ApiError, api, messageOf, unwrap } from "../../api/client";
@@ -10,10 +10,14 @@ import { text } from "../../strings";
 import { useShared } from "../ReviewContext";
 import { afterDecision, bestFrame, mergesOf } from "./order";
 
-export type Decision = "accept" | "reject" | "undo";
+export type Decision = "accept" | "reject" | "unsure" | "undo";
 
 /** What a decision makes of a merge. What undoing makes of it only the server knows: what the machine had said. */
-const STATE_AFTER: Record<Exclude<Decision, "undo">, MergeState> = { accept: "accepted", reject: "rejected" };
+const STATE_AFTER: Record<Exclude<Decision, "undo">, MergeState> = {
+  accept: "accepted",
+  reject: "rejected",
+  unsure: "unsure",
+};
 
 export interface Refusal {
   title: string;
@@ -30,10 +34,19 @@ export const useRefusals = create<{
     set(({ byMerge: { [id]: _, ...rest } }) => ({ byMerge: why === null ? rest : { ...rest, [id]: why } })),
 }));
 
+/** The merges about which decisions are on their way. */
+function pendingMerges(client: QueryClient, mutationKey: readonly unknown[]): number[] {
+  return client
+    .getMutationCache()
+    .findAll({ mutationKey: [...mutationKey], status: "pending" })
+    .map((mutation) => (mutation.state.variables as { merge: Merge }).merge.id);
+}
+
 function post(decision: Decision, mergeId: number) {
   const at = { params: { path: { merge_id: mergeId } } };
   if (decision === "accept") return unwrap(api.POST("/api/merges/{merge_id}/accept", at));
   if (decision === "reject") return unwrap(api.POST("/api/merges/{merge_id}/reject", at));
+  if (decision === "unsure") return unwrap(api.POST("/api/merges/{merge_id}/unsure", at));
   return unwrap(api.POST("/api/merges/{merge_id}/undo", at));
 }
 
@@ -50,13 +63,17 @@ export function useDecisions() {
 
   const open = useCallback(
     (merge: Merge) => {
-      store.getState().selectMerge(merge.id, [merge.identity_a, merge.identity_b], bestFrame(merge));
+      // The queue shows crops: the cameras go to the frame when they are shown again.
+      const frame = store.getState().view === "queue" ? null : bestFrame(merge);
+      store.getState().selectMerge(merge.id, [merge.identity_a, merge.identity_b], frame);
     },
     [store],
   );
 
-  const replace = (merge: Merge) =>
-    client.setQueryData<Merge[]>(key, (all) => all?.map((one) => (one.id === merge.id ? merge : one)));
+  const replace = (...merges: Merge[]) => {
+    const now = new Map(merges.map((merge) => [merge.id, merge]));
+    client.setQueryData<Merge[]>(key, (all) => all?.map((one) => now.get(one.id) ?? one));
+  };
 
   const forget = (id: number) => {
     const { decided, setDecided } = store.getState();
@@ -68,7 +85,9 @@ export function useDecisions() {
     scope: { id: `decide-${driveId}` },
     mutationFn: ({ merge, decision }: { merge: Merge; decision: Decision }) => post(decision, merge.id),
     onSuccess: (change, { decision }) => {
-      replace(change.merge);
+      // What others are on their way with is not undone by what the server knew before it.
+      const waiting = new Set(pendingMerges(client, mutationKey));
+      replace(...change.merges.filter((merge) => merge.id === change.merge.id || !waiting.has(merge.id)));
       observations.invalidate(change.revision);
       frames.refreshObservations();
       const { mergeId, select } = store.getState();
@@ -85,27 +104,38 @@ export function useDecisions() {
       useRefusals.getState().set(merge.id, { title, message: messageOf(cause) });
       open(merge);
     },
-    onSettled: async () => {
+    onSettled: async (_, error) => {
       // Others may be on their way: the last one asks for the whole truth, or it would undo what they show.
-      if (client.isMutating({ mutationKey }) === 1) await client.invalidateQueries({ queryKey: ["drive", driveId] });
+      if (client.isMutating({ mutationKey }) !== 1) return;
+      void client.invalidateQueries({ queryKey: ["drive", driveId, "looks"], refetchType: "none" });
+      // Merges came with the answer; lists that nobody looks at are loaded when somebody does.
+      const parts = [["tracks"], ["identities"], ...(error ? [["merges"]] : [])];
+      await Promise.all([
+        client.invalidateQueries({ queryKey: ["drive", driveId], exact: true }),
+        ...parts.map((part) => client.invalidateQueries({ queryKey: ["drive", driveId, ...part] })),
+      ]);
     },
   });
 
-  const decide = (merge: Merge, decision: Decision) => {
+  /** Decides, and shows what comes next: `next`, or the neighbour in the panel's list. */
+  const decide = (merge: Merge, decision: Decision, next?: Merge) => {
     useRefusals.getState().set(merge.id, null);
     if (decision === "undo") {
       if (merge.decided_by === "person") mutate({ merge, decision });
       return;
     }
-    if (merge.state === STATE_AFTER[decision]) return;
+    if (merge.state === STATE_AFTER[decision] && merge.decided_by === "person") {
+      if (next) open(next); // said before
+      return;
+    }
     void client.cancelQueries({ queryKey: key });
     forget(merge.id);
     store.getState().setDecided([...store.getState().decided, merge.id]);
     const shown = mergesOf(client.getQueryData<Merge[]>(key) ?? [], merge.state);
     replace({ ...merge, state: STATE_AFTER[decision], decided_by: "person" });
     if (store.getState().mergeId === merge.id) {
-      const next = afterDecision(shown, merge.id);
-      if (next) open(next);
+      const following = next ?? afterDecision(shown, merge.id);
+      if (following) open(following);
       else store.setState({ mergeId: null });
     }
     mutate({ merge, decision });

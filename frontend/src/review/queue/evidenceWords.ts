@@ -1,0 +1,68 @@
+/** What the evidence of a merge means, in plain words. */
+
+import type { Merge } from "../../api/types";
+import { metres, percent } from "../../app/format";
+import { text } from "../../strings";
+
+export interface Fact {
+  name: string;
+  value: string;
+  meaning: string;
+  /** Whether it speaks for one object (1), against it (-1), or is neither (0). */
+  speaks: 1 | 0 | -1;
+}
+
+/** Centres of 3D boxes of one car seen from two sides are seldom farther apart than this, about a car's width. */
+const NEAR_M = 1.8;
+/** Two cars side by side are at least this far apart, centre to centre. */
+const FAR_M = 2.6;
+
+/** How a probability reads: "93 of 100", "likely". */
+export function chance(probability: number): { value: string; meaning: string } {
+  const words = text.queue.chances;
+  const meaning =
+    probability >= 0.95
+      ? words.almostSure
+      : probability >= 0.7
+        ? words.likely
+        : probability > 0.3
+          ? words.open
+          : probability > 0.05
+            ? words.unlikely
+            : words.hardly;
+  return { value: percent(probability).replace(/\.0%$/, "%"), meaning };
+}
+
+/** The numbers that every merge has. */
+export function facts(merge: Merge): Fact[] {
+  const { shared_frames, agreeing_frames, mean_distance_m, mean_bev_iou } = merge;
+  const words = text.queue.evidence;
+  const found: Fact[] = [];
+  if (shared_frames > 0) {
+    const share = agreeing_frames / shared_frames;
+    found.push({
+      name: words.together,
+      value: words.of(agreeing_frames, shared_frames),
+      meaning: words.togetherMeans(agreeing_frames, shared_frames),
+      speaks: share >= 0.5 ? 1 : share < 0.2 ? -1 : 0,
+    });
+  } else found.push({ name: words.together, value: words.never, meaning: words.neverMeans, speaks: 0 });
+  if (mean_distance_m !== null && Number.isFinite(mean_distance_m)) {
+    found.push({
+      name: words.apart,
+      value: metres(mean_distance_m),
+      meaning:
+        mean_distance_m <= NEAR_M ? words.apartNear : mean_distance_m < FAR_M ? words.apartBetween : words.apartFar,
+      speaks: mean_distance_m <= NEAR_M ? 1 : mean_distance_m < FAR_M ? 0 : -1,
+    });
+  }
+  if (mean_bev_iou !== null && Number.isFinite(mean_bev_iou)) {
+    found.push({
+      name: words.overlap,
+      value: percent(mean_bev_iou),
+      meaning: mean_bev_iou > 0 ? words.overlapMeans : words.overlapNone,
+      speaks: mean_bev_iou >= 0.2 ? 1 : mean_bev_iou > 0 ? 0 : -1,
+    });
+  }
+  return found;
+}
