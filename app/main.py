@@ -22,12 +22,15 @@ from app.identities.endpoints import router as identities_router
 from app.jobs.endpoints import router as jobs_router
 from app.media.endpoints import router as media_router
 from app.merges.endpoints import router as merges_router
+from app.motion.endpoints import router as motion_router
+from app.motion.facts import FactsCache
 from app.page import STATIC_FOLDER, install_page
 from app.scene.endpoints import router as scene_router
 from app.scene.manager import SceneManager
 from app.scene.service import open_stored_source
 from app.security import install_security
 from app.settings import Settings
+from app.summary.endpoints import router as summary_router
 from app.tracks.endpoints import router as tracks_router
 
 
@@ -82,6 +85,7 @@ def create_app(settings: Settings, *, static_folder: Path = STATIC_FOLDER) -> Fa
     )
     app.state.settings = settings
     app.state.stopping = threading.Event()
+    app.state.facts = FactsCache()
     install_error_handlers(app)
     for router in (
         health_router,
@@ -94,6 +98,8 @@ def create_app(settings: Settings, *, static_folder: Path = STATIC_FOLDER) -> Fa
         exports_router,
         media_router,
         scene_router,
+        motion_router,
+        summary_router,
     ):
         app.include_router(router)
     install_page(app, static_folder)

@@ -7,6 +7,7 @@ from sqlalchemy import and_, select
 from sqlalchemy.orm import Session
 
 from app.drives.models import FrameRow
+from app.identities.models import IdentityRow
 from app.tracks.models import Box3DRow
 from app.tracks.repository import IDS_PER_QUERY
 
@@ -64,6 +65,12 @@ def boxes_of_tracks(session: Session, drive_id: int, labelling_id: int, track_id
         for start in range(0, len(ids), IDS_PER_QUERY)
         for row in session.execute(query.where(Box3DRow.track_id.in_(ids[start : start + IDS_PER_QUERY])))
     ]
+
+
+def classes_of_identities(session: Session, labelling_id: int) -> list[tuple[int, int]]:
+    """The class id of every identity."""
+    query = select(IdentityRow.identity_id, IdentityRow.class_id).where(IdentityRow.labelling_id == labelling_id)
+    return [(identity_id, class_id) for identity_id, class_id in session.execute(query)]
 
 
 def ego_between(session: Session, drive_id: int, first: int, last: int) -> list[EgoAt]:

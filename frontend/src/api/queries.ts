@@ -95,3 +95,21 @@ export const evaluationQuery = ({ id, revision }: Pick<DriveDetail, "id" | "revi
     staleTime: Number.POSITIVE_INFINITY,
     placeholderData: keepPreviousData,
   });
+
+/** Counts of labels: one answer for each revision of them, small enough to try any threshold in the page. */
+export const histogramQuery = ({ id, revision }: Pick<DriveDetail, "id" | "revision">) =>
+  queryOptions({
+    queryKey: ["drive", id, "histogram", revision],
+    queryFn: ({ signal }) => unwrap(api.GET("/api/drives/{drive_id}/histogram", { ...at(id), signal })),
+    staleTime: Number.POSITIVE_INFINITY,
+    placeholderData: keepPreviousData,
+  });
+
+/** Distances and failed checks of identities, for each revision of them. */
+export const factsQuery = ({ id, revision }: Pick<DriveDetail, "id" | "revision">) =>
+  queryOptions({
+    queryKey: ["drive", id, "facts", revision],
+    queryFn: ({ signal }) => unwrap(api.GET("/api/drives/{drive_id}/facts", { ...at(id), signal })),
+    staleTime: Number.POSITIVE_INFINITY,
+    placeholderData: keepPreviousData,
+  });

@@ -566,6 +566,46 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/drives/{drive_id}/facts": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Facts
+         * @description Distance, and failed physics checks, of every identity of the drive.
+         */
+        get: operations["list_facts"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/drives/{drive_id}/histogram": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Histogram
+         * @description How many labels there are, by class, source, score and distance: enough to try any threshold in the browser.
+         */
+        get: operations["get_histogram"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
 }
 export type webhooks = Record<string, never>;
 export interface components {
@@ -605,6 +645,12 @@ export interface components {
          * @enum {string}
          */
         CameraGroup: "all" | "front";
+        /**
+         * Check
+         * @description What can be wrong with an identity.
+         * @enum {string}
+         */
+        Check: "speed" | "size" | "yaw" | "twice";
         /**
          * ClassMode
          * @enum {string}
@@ -839,6 +885,19 @@ export interface components {
          * @enum {string}
          */
         ExportState: "queued" | "running" | "done" | "failed";
+        /**
+         * FailedCheck
+         * @description A physics check that an identity fails, at its worst in a frame.
+         */
+        FailedCheck: {
+            check: components["schemas"]["Check"];
+            /** Value */
+            value: number;
+            /** Unit */
+            unit: string;
+            /** Frame Index */
+            frame_index: number;
+        };
         /** FrameObservations */
         FrameObservations: {
             /** Frame Index */
@@ -893,6 +952,20 @@ export interface components {
             frame_index: number;
             /** Score */
             score: number;
+        };
+        /**
+         * IdentityFacts
+         * @description What follows from an identity's 3D boxes; distances are from the car, null without 3D boxes.
+         */
+        IdentityFacts: {
+            /** Identity Id */
+            identity_id: number;
+            /** Nearest M */
+            nearest_m: number | null;
+            /** Farthest M */
+            farthest_m: number | null;
+            /** Failed */
+            failed: components["schemas"]["FailedCheck"][];
         };
         /**
          * Job
@@ -960,6 +1033,51 @@ export interface components {
             frame_index: number;
             /** Score */
             score: number;
+        };
+        /**
+         * LabelHistogram
+         * @description Numbers of labels that are alike, a row each in columns of equal length.
+         *
+         *     Score bins are hundredths from 0 to 100, where 100 is a score of 1. Distance bins go from one edge to the next, the
+         *     last one on and on; null is unknown, for the score and for the distance.
+         */
+        LabelHistogram: {
+            /** Class Names */
+            class_names: string[];
+            /**
+             * Distance Edges M
+             * @description Where distance bins begin.
+             */
+            distance_edges_m: number[];
+            /**
+             * Sources
+             * @description auto, propagated, human; by number in source.
+             */
+            sources: string[];
+            /** Class Id */
+            class_id: number[];
+            /** Source */
+            source: number[];
+            /** Score Bin */
+            score_bin: (number | null)[];
+            /** Distance Bin */
+            distance_bin: (number | null)[];
+            /** Count */
+            count: number[];
+            /**
+             * Own Score Bin
+             * @description What the detector said itself, another table.
+             */
+            own_score_bin: (number | null)[];
+            /**
+             * Own Source
+             * @description Where the labels of own_score_bin come from.
+             */
+            own_source: number[];
+            /** Own Count */
+            own_count: number[];
+            /** Revision */
+            revision: number;
         };
         /**
          * LabelRequest
@@ -2358,6 +2476,68 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content?: never;
+            };
+            /** @description What was wrong, where, and what to do. */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    list_facts: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                drive_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["IdentityFacts"][];
+                };
+            };
+            /** @description What was wrong, where, and what to do. */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    get_histogram: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                drive_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["LabelHistogram"];
+                };
             };
             /** @description What was wrong, where, and what to do. */
             "4XX": {

@@ -17,4 +17,7 @@ export type Way = Schemas["Way"];
 export type MergeChange = Schemas["MergeChange"];
 export type Job = Schemas["Job"];
 export type Export = Schemas["Export"];
+export type LabelHistogram = Schemas["LabelHistogram"];
+export type IdentityFacts = Schemas["IdentityFacts"];
+export type PrecisionRecallCurve = Schemas["PrecisionRecallCurve"];
 export type Evaluation = Schemas["Evaluation"];

@@ -1,6 +1,8 @@
 /** What a person does on the review page: where the playhead stands, what is selected, what is open. */
 
 import { createStore, type StoreApi } from "zustand";
+import type { IdentityFilter } from "./identities/filter";
+import type { IdentitySort } from "./identities/sort";
 import { TABS, type Tab, type UrlState, type View } from "./urlState";
 
 export interface Hover {
@@ -25,6 +27,8 @@ export interface ReviewState extends UrlState {
   selectMerge: (mergeId: number, identityIds: number[], frame: number | null) => void;
   setHover: (hover: Hover | null) => void;
   setTab: (tab: Tab) => void;
+  setFilter: (filter: IdentityFilter) => void;
+  setSort: (sort: IdentitySort) => void;
   setView: (view: View) => void;
   setEnlarged: (camera: string | null) => void;
   setDecided: (decided: number[]) => void;
@@ -59,6 +63,8 @@ export function createReviewStore(initial: UrlState, frameCount: number): Review
       }),
     setHover: (hover) => set({ hover }),
     setTab: (tab) => set({ tab }),
+    setFilter: (filter) => set({ filter }),
+    setSort: (sort) => set({ sort }),
     setView: (view) => set({ view, playing: false }),
     setEnlarged: (enlarged) => set({ enlarged }),
     setDecided: (decided) => set({ decided }),

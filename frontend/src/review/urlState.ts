@@ -1,5 +1,8 @@
 /** What of the page lives in its address: the frame, the selected identities, the open tab and the open merge. */
 
+import { type IdentityFilter, readFilter, writeFilter } from "./identities/filter";
+import { type IdentitySort, SORTS } from "./identities/sort";
+
 export type Tab = "merges" | "identities" | "selected" | "export";
 export const TABS: readonly Tab[] = ["merges", "identities", "selected", "export"];
 
@@ -12,6 +15,9 @@ export interface UrlState {
   identityIds: number[];
   tab: Tab;
   mergeId: number | null;
+  /** Which identities are looked for, and their order. */
+  filter: IdentityFilter;
+  sort: IdentitySort;
 }
 
 function wholeNumber(value: string | null): number | null {
@@ -29,6 +35,8 @@ export function readUrl(search: string): UrlState {
     identityIds: [...new Set(ids.filter((id) => id !== null))],
     tab: tab && TABS.includes(tab) ? tab : "merges",
     mergeId: wholeNumber(query.get("merge")),
+    filter: readFilter(query.get("find")),
+    sort: SORTS.find((sort) => sort === query.get("sort")) ?? "frames",
   };
 }
 
@@ -40,5 +48,8 @@ export function writeUrl(state: UrlState): string {
   if (state.identityIds.length > 0) parts.push(`identity=${state.identityIds.join(",")}`);
   if (state.tab !== "merges") parts.push(`tab=${state.tab}`);
   if (state.mergeId !== null) parts.push(`merge=${state.mergeId}`);
+  const find = writeFilter(state.filter);
+  if (find !== "") parts.push(`find=${encodeURIComponent(find).replaceAll("%3A", ":").replaceAll("%2C", ",")}`);
+  if (state.sort !== "frames") parts.push(`sort=${state.sort}`);
   return parts.length > 0 ? `?${parts.join("&")}` : "";
 }

@@ -1,4 +1,4 @@
-import { Alert, Button, Group, NumberInput, Paper, Progress, Slider, Stack, Text } from "@mantine/core";
+import { Alert, Button, Group, Paper, Progress, Stack, Text } from "@mantine/core";
 import { IconDownload, IconFileExport } from "@tabler/icons-react";
 import { useMutation, useQuery } from "@tanstack/react-query";
 import { useState } from "react";
@@ -6,6 +6,7 @@ import { create } from "zustand";
 import { api, messageOf, unwrap } from "../../api/client";
 import { bytes, count, score } from "../../app/format";
 import { text } from "../../strings";
+import { WhatIf } from "../../summary/WhatIf";
 import { useShared } from "../ReviewContext";
 import classes from "./ExportPanel.module.css";
 
@@ -47,37 +48,10 @@ export function ExportPanel() {
       {drive.proposed_merge_count > 0 && (
         <Text size="sm">{text.exports.proposalsLeft(drive.proposed_merge_count)}</Text>
       )}
-      <div>
-        <Group justify="space-between" mb={6} wrap="nowrap">
-          <Text size="sm" fw={600} id="min-score">
-            {text.exports.minScore}
-          </Text>
-          <NumberInput
-            size="xs"
-            w={76}
-            aria-labelledby="min-score"
-            min={0}
-            max={1}
-            step={0.05}
-            decimalScale={2}
-            fixedDecimalScale
-            value={minScore}
-            onChange={(value) => typeof value === "number" && setMinScore(value)}
-          />
-        </Group>
-        <Slider
-          min={0}
-          max={1}
-          step={0.01}
-          value={minScore}
-          onChange={setMinScore}
-          label={null}
-          thumbLabel={text.exports.minScore}
-        />
-        <Text size="xs" c="var(--muted)" mt={8}>
-          {text.exports.minScoreHint}
-        </Text>
-      </div>
+      <WhatIf drive={drive} threshold={minScore} onChange={setMinScore} />
+      <Text size="xs" c="var(--muted)">
+        {text.exports.minScoreHint}
+      </Text>
       <Button
         leftSection={<IconFileExport size={16} />}
         loading={start.isPending}

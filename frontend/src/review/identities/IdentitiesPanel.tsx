@@ -1,19 +1,21 @@
-import { Select, Skeleton, Stack, Text } from "@mantine/core";
-import { IconStack2 } from "@tabler/icons-react";
+import { Progress, Select, Skeleton, Stack, Text } from "@mantine/core";
+import { IconAlertTriangle, IconStack2 } from "@tabler/icons-react";
 import { useQuery } from "@tanstack/react-query";
 import { useVirtualizer } from "@tanstack/react-virtual";
 import { useEffect, useMemo, useRef } from "react";
 import { messageOf } from "../../api/client";
-import { identitiesQuery } from "../../api/queries";
-import type { Identity } from "../../api/types";
+import { factsQuery, identitiesQuery } from "../../api/queries";
+import type { Identity, IdentityFacts } from "../../api/types";
 import { score } from "../../app/format";
 import { Notice } from "../../app/Notice";
 import { text } from "../../strings";
 import { identityColour } from "../cameras/palette";
 import { useReview, useShared } from "../ReviewContext";
+import { FilterBar } from "./FilterBar";
+import { isReviewed, matches } from "./filter";
 import classes from "./IdentitiesPanel.module.css";
 import { useIdentityList } from "./identityList";
-import { type IdentitySort, sortIdentities } from "./sort";
+import { type FactsById, type IdentitySort, sortIdentities } from "./sort";
 
 const ROW_PX = 46;
 
@@ -22,9 +24,15 @@ export function IdentitiesPanel() {
   const { driveId, store } = useShared();
   const { data, error, refetch, isPending } = useQuery(identitiesQuery(driveId));
   const identityIds = useReview((state) => state.identityIds);
-  const { sort, className, setSort, setClassName, setOrder } = useIdentityList();
+  const filter = useReview((state) => state.filter);
+  const sort = useReview((state) => state.sort);
+  const setOrder = useIdentityList((state) => state.setOrder);
+  const facts = useFacts();
   const scroller = useRef<HTMLDivElement>(null);
-  const list = useMemo(() => sortIdentities(data ?? [], sort, className), [data, sort, className]);
+  const list = useMemo(() => {
+    const found = (data ?? []).filter((one) => matches(filter, one, facts.get(one.id)));
+    return sortIdentities(found, sort, facts);
+  }, [data, sort, filter, facts]);
   const classNames = useMemo(() => [...new Set((data ?? []).map((one) => one.class_name))].sort(), [data]);
 
   useEffect(() => setOrder(list.map((one) => one.id)), [list, setOrder]);
@@ -68,29 +76,22 @@ export function IdentitiesPanel() {
 
   return (
     <div className={classes.panel}>
+      <ReviewProgress identities={data} />
+      <FilterBar classNames={classNames} />
       <div className={classes.tools}>
         <Select
           size="xs"
           aria-label={text.identities.sort}
           allowDeselect={false}
           value={sort}
-          onChange={(value) => value && setSort(value as IdentitySort)}
+          onChange={(value) => value && store.getState().setSort(value as IdentitySort)}
           data={Object.entries(text.identities.sorts).map(([value, label]) => ({ value, label }))}
-        />
-        <Select
-          size="xs"
-          aria-label={text.identities.filterLabel}
-          placeholder={text.identities.classFilter}
-          clearable
-          value={className}
-          onChange={setClassName}
-          data={classNames}
         />
         <Text size="xs" c="var(--muted)" className={classes.count}>
           {text.identities.count(list.length)}
         </Text>
       </div>
-      {list.length === 0 && <Notice title={text.identities.noneOfClass} />}
+      {list.length === 0 && <Notice title={text.find.none}>{text.find.noneHint}</Notice>}
       <div ref={scroller} className={classes.scroller}>
         <ul className={classes.list} style={{ height: rows.getTotalSize() }}>
           {rows.getVirtualItems().map((row) => {
@@ -111,7 +112,7 @@ export function IdentitiesPanel() {
                     onPointerEnter={() => hover(identity)}
                     onPointerLeave={() => hover(null)}
                   >
-                    <IdentityRow identity={identity} />
+                    <IdentityRow identity={identity} failed={facts.get(identity.id)?.failed ?? []} />
                   </button>
                 </li>
               )
@@ -123,7 +124,33 @@ export function IdentitiesPanel() {
   );
 }
 
-function IdentityRow({ identity }: { identity: Identity }) {
+const NO_FACTS: FactsById = new Map();
+
+/** Distances and failed checks by identity; none until they are worked out. */
+function useFacts(): FactsById {
+  const { drive } = useShared();
+  const { data } = useQuery(factsQuery(drive));
+  return useMemo(() => (data ? new Map(data.map((one) => [one.identity_id, one])) : NO_FACTS), [data]);
+}
+
+/** How many identities a person has looked at; a bar, as there are many. */
+function ReviewProgress({ identities }: { identities: readonly Identity[] }) {
+  const reviewed = identities.filter(isReviewed).length;
+  const said = text.summary.identitiesReviewed(reviewed, identities.length);
+  return (
+    <div className={classes.progress}>
+      <Progress size="sm" flex={1} value={(100 * reviewed) / identities.length} aria-label={said} />
+      <span className={classes.quiet}>{said}</span>
+    </div>
+  );
+}
+
+interface IdentityRowProps {
+  identity: Identity;
+  failed: IdentityFacts["failed"];
+}
+
+function IdentityRow({ identity, failed }: IdentityRowProps) {
   return (
     <>
       <span className={classes.swatch} style={{ background: identityColour(identity.id) }} />
@@ -131,7 +158,15 @@ function IdentityRow({ identity }: { identity: Identity }) {
         <span className={classes.title}>
           #{identity.id} {identity.class_name}
         </span>
-        <span className={classes.cameras}>{identity.camera_names.join(", ")}</span>
+        <span className={classes.cameras}>
+          {failed.length > 0 && (
+            <span className={classes.failed}>
+              <IconAlertTriangle size={12} aria-hidden />{" "}
+              {failed.map((one) => text.summary.checks[one.check]).join(", ")} ·{" "}
+            </span>
+          )}
+          {identity.camera_names.join(", ")}
+        </span>
       </span>
       <span className={classes.numbers}>
         <span className={classes.score}>{score(identity.score)}</span>

@@ -6,7 +6,17 @@ import { sortIdentities } from "./sort";
 const identity = (id: number, class_name: string, score: number, observation_count: number, propagated_count: number) =>
   ({ id, class_name, score, observation_count, propagated_count }) as Identity;
 
-const all = [identity(1, "car", 0.5, 10, 3), identity(2, "bus", 0.9, 10, 0), identity(3, "car", 0.7, 40, 9)];
+const all = [
+  { ...identity(1, "car", 0.5, 10, 3), first_frame: 0, last_frame: 90 },
+  { ...identity(2, "bus", 0.9, 10, 0), first_frame: 5, last_frame: 14 },
+  { ...identity(3, "car", 0.7, 40, 9), first_frame: 0, last_frame: 50 },
+];
+const failed = { check: "speed", value: 90, unit: "m/s", frame_index: 1 } as const;
+const facts = new Map([
+  [1, { identity_id: 1, nearest_m: 9, farthest_m: 60, failed: [] }],
+  [2, { identity_id: 2, nearest_m: null, farthest_m: null, failed: [] }],
+  [3, { identity_id: 3, nearest_m: 4, farthest_m: 30, failed: [failed] }],
+]);
 
 describe("sortIdentities", () => {
   it.each([
@@ -15,12 +25,12 @@ describe("sortIdentities", () => {
     ["score_low", [1, 3, 2]],
     ["propagated", [3, 1, 2]],
     ["class", [2, 3, 1]],
+    ["length", [1, 3, 2]],
+    ["near", [3, 1, 2]], // the distance of 2 is not known: it comes last
+    ["far", [1, 3, 2]],
+    ["failed", [3, 1, 2]],
   ] as const)("by %s", (by, ids) => {
-    expect(sortIdentities(all, by, null).map((one) => one.id)).toEqual(ids);
-  });
-
-  it("keeps one class only where asked", () => {
-    expect(sortIdentities(all, "frames", "car").map((one) => one.id)).toEqual([3, 1]);
+    expect(sortIdentities(all, by, facts).map((one) => one.id)).toEqual(ids);
   });
 });
 

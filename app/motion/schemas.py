@@ -1,0 +1,23 @@
+"""What the page learns about how objects move."""
+
+from pydantic import BaseModel
+
+from app.motion.checks import Check
+
+
+class FailedCheck(BaseModel):
+    """A physics check that an identity fails, at its worst in a frame."""
+
+    check: Check
+    value: float
+    unit: str
+    frame_index: int
+
+
+class IdentityFacts(BaseModel):
+    """What follows from an identity's 3D boxes; distances are from the car, null without 3D boxes."""
+
+    identity_id: int
+    nearest_m: float | None
+    farthest_m: float | None
+    failed: list[FailedCheck]

@@ -1,0 +1,227 @@
+import { ActionIcon, Button, NumberInput, Popover, Select, TextInput } from "@mantine/core";
+import { IconFilter, IconSearch, IconStar, IconTrash, IconX } from "@tabler/icons-react";
+import { useState } from "react";
+import { text } from "../../strings";
+import { useReview, useShared } from "../ReviewContext";
+import classes from "./FilterBar.module.css";
+import { CHECKS, type IdentityFilter, NO_FILTER, partsOf, readFilter, writeFilter } from "./filter";
+import { useSavedFilters } from "./savedFilters";
+
+const words = text.find;
+
+/** What is looked for: free text, the parts of the filter, and filters that were kept. */
+export function FilterBar({ classNames }: { classNames: readonly string[] }) {
+  const { store } = useShared();
+  const filter = useReview((state) => state.filter);
+  const change = (part: Partial<IdentityFilter>) => store.getState().setFilter({ ...filter, ...part });
+  const parts = partsOf({ ...filter, text: "" });
+  return (
+    <div className={classes.bar}>
+      <TextInput
+        size="xs"
+        className={classes.text}
+        aria-label={words.text}
+        placeholder={words.textHint}
+        leftSection={<IconSearch size={14} />}
+        value={filter.text}
+        onChange={(event) => change({ text: event.currentTarget.value })}
+        rightSection={
+          partsOf(filter) > 0 && (
+            <ActionIcon
+              size="sm"
+              variant="subtle"
+              color="gray"
+              aria-label={words.clear}
+              onClick={() => store.getState().setFilter(NO_FILTER)}
+            >
+              <IconX size={14} />
+            </ActionIcon>
+          )
+        }
+      />
+      <Popover width={360} position="bottom-end" shadow="md" trapFocus>
+        <Popover.Target>
+          <Button size="xs" variant={parts > 0 ? "light" : "default"} leftSection={<IconFilter size={14} />}>
+            {parts > 0 ? words.filterOf(parts) : words.filter}
+          </Button>
+        </Popover.Target>
+        <Popover.Dropdown aria-label={words.filter}>
+          <Parts filter={filter} change={change} classNames={classNames} />
+          <Saved filter={filter} onChoose={(written) => store.getState().setFilter(readFilter(written))} />
+        </Popover.Dropdown>
+      </Popover>
+    </div>
+  );
+}
+
+interface PartsProps {
+  filter: IdentityFilter;
+  change: (part: Partial<IdentityFilter>) => void;
+  classNames: readonly string[];
+}
+
+function Parts({ filter, change, classNames }: PartsProps) {
+  const { drive } = useShared();
+  const choice = { size: "xs", clearable: true, comboboxProps: { withinPortal: false } } as const;
+  return (
+    <div className={classes.parts}>
+      <Select
+        {...choice}
+        label={text.identities.filterLabel}
+        placeholder={text.identities.classFilter}
+        value={filter.className}
+        onChange={(className) => change({ className })}
+        data={classNames}
+      />
+      <Select
+        {...choice}
+        label={words.camera}
+        placeholder={words.any}
+        value={filter.camera}
+        onChange={(camera) => change({ camera })}
+        data={drive.camera_names}
+      />
+      <Range
+        label={words.score}
+        least={filter.minScore}
+        most={filter.maxScore}
+        max={1}
+        step={0.05}
+        decimals={2}
+        onChange={(minScore, maxScore) => change({ minScore, maxScore })}
+      />
+      <Range
+        label={words.distance}
+        least={filter.minDistance}
+        most={filter.maxDistance}
+        step={5}
+        onChange={(minDistance, maxDistance) => change({ minDistance, maxDistance })}
+      />
+      <Range
+        label={words.length}
+        least={filter.minLength}
+        most={filter.maxLength}
+        step={5}
+        onChange={(minLength, maxLength) => change({ minLength, maxLength })}
+      />
+      <Select
+        {...choice}
+        label={words.provenance}
+        placeholder={words.any}
+        value={filter.provenance}
+        onChange={(provenance) => change({ provenance: provenance as IdentityFilter["provenance"] })}
+        data={Object.entries(words.provenances).map(([value, label]) => ({ value, label }))}
+      />
+      <Select
+        {...choice}
+        label={words.reviewed}
+        placeholder={words.any}
+        value={filter.reviewed}
+        onChange={(reviewed) => change({ reviewed: reviewed as IdentityFilter["reviewed"] })}
+        data={Object.entries(words.reviewedChoices).map(([value, label]) => ({ value, label }))}
+      />
+      <Select
+        {...choice}
+        label={words.fails}
+        placeholder={words.anyOrNone}
+        value={filter.fails}
+        onChange={(fails) => change({ fails: fails as IdentityFilter["fails"] })}
+        data={[
+          { value: "any", label: words.failsAny },
+          ...CHECKS.map((check) => ({ value: check, label: text.summary.checks[check] })),
+        ]}
+      />
+    </div>
+  );
+}
+
+interface RangeProps {
+  label: string;
+  least: number | null;
+  most: number | null;
+  max?: number;
+  step: number;
+  decimals?: number;
+  onChange: (least: number | null, most: number | null) => void;
+}
+
+function Range({ label, least, most, max, step, decimals = 0, onChange }: RangeProps) {
+  const number = (value: string | number) => (typeof value === "number" ? value : null);
+  const shared = { size: "xs", min: 0, step, decimalScale: decimals, hideControls: true, ...(max && { max }) } as const;
+  return (
+    <fieldset className={classes.range}>
+      <legend>{label}</legend>
+      <NumberInput
+        {...shared}
+        aria-label={words.least(label)}
+        placeholder={words.from}
+        value={least ?? ""}
+        onChange={(value) => onChange(number(value), most)}
+      />
+      <NumberInput
+        {...shared}
+        aria-label={words.most(label)}
+        placeholder={words.to}
+        value={most ?? ""}
+        onChange={(value) => onChange(least, number(value))}
+      />
+    </fieldset>
+  );
+}
+
+function Saved({ filter, onChoose }: { filter: IdentityFilter; onChoose: (written: string) => void }) {
+  const { saved, save, forget } = useSavedFilters();
+  const [name, setName] = useState("");
+  const written = writeFilter(filter);
+  return (
+    <div className={classes.saved}>
+      <form
+        className={classes.keep}
+        onSubmit={(event) => {
+          event.preventDefault();
+          if (!name.trim() || !written) return;
+          save({ name: name.trim(), filter: written });
+          setName("");
+        }}
+      >
+        <TextInput
+          size="xs"
+          aria-label={words.saveAs}
+          placeholder={words.saveAs}
+          value={name}
+          onChange={(event) => setName(event.currentTarget.value)}
+        />
+        <Button
+          type="submit"
+          size="xs"
+          variant="default"
+          leftSection={<IconStar size={14} />}
+          disabled={!name.trim() || !written}
+        >
+          {words.save}
+        </Button>
+      </form>
+      {saved.map((one) => (
+        <div key={one.name} className={classes.one}>
+          <Button
+            size="compact-xs"
+            variant={one.filter === written ? "light" : "subtle"}
+            justify="flex-start"
+            onClick={() => onChoose(one.filter)}
+          >
+            {one.name}
+          </Button>
+          <ActionIcon
+            size="sm"
+            variant="subtle"
+            color="gray"
+            aria-label={words.forget(one.name)}
+            onClick={() => forget(one.name)}
+          >
+            <IconTrash size={14} />
+          </ActionIcon>
+        </div>
+      ))}
+    </div>
+  );
+}
