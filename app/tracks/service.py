@@ -76,8 +76,9 @@ def score_runs_json(session: Session, drive_id: int) -> bytes:
         raise NotFound(f"There is no drive {drive_id}. It may have been deleted.")
     labelling = repository.current_labelling(session, drive_id)
     rows = [] if labelling is None else repository.scores_by_track(session, labelling.id)
-    columns = np.array(rows, np.float64).reshape(-1, 3)  # None becomes NaN
-    runs = score_runs(columns[:, 0].astype(np.int64), columns[:, 1].astype(np.int64), columns[:, 2])
+    columns = np.array(rows, np.float64).reshape(-1, 3)
+    score = np.where(columns[:, 2] < 0, np.nan, columns[:, 2])
+    runs = score_runs(columns[:, 0].astype(np.int64), columns[:, 1].astype(np.int64), score)
     return to_json({"revision": drive.revision, "runs": runs})
 
 

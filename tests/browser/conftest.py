@@ -15,6 +15,7 @@ from typing import IO
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
+from tests.big_drive.making import SMALL, make_workspace
 from tests.chromium import headless_chromium
 
 ANSWER_SECONDS = 60.0
@@ -77,6 +78,15 @@ def serve(tmp_path: Path) -> Iterator[Callable[..., str]]:
     """Starts ``hindsight serve`` with more arguments on an empty workspace, until the test ends; gives its address."""
     with ExitStack() as running:
         yield lambda *arguments: running.enter_context(serving(tmp_path / "workspace", *arguments))
+
+
+@pytest.fixture(scope="session")
+def small_review(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """The address of a review page of a drive made by code: 60 frames x 4 cameras, 75 identities. Tests only look."""
+    workspace = tmp_path_factory.mktemp("small") / "workspace"
+    make_workspace(workspace, SMALL)
+    with serving(workspace) as address:
+        yield f"{address.rstrip('/')}/drives/1"
 
 
 def _read_lines(stream: IO[str], lines: queue.Queue[str | None]) -> None:

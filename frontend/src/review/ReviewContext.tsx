@@ -69,6 +69,7 @@ export function ReviewProvider({ drive, children }: { drive: DriveDetail; childr
   useEffect(() => {
     const made = share(drive, () => void client.invalidateQueries({ queryKey: ["drive", drive.id] }));
     const { store, frames } = made;
+    frames.begin(store.getState().frame);
     let timer: ReturnType<typeof setTimeout> | undefined;
     const stop = store.subscribe((state, before) => {
       if (state.frame !== before.frame) frames.request(state.frame);

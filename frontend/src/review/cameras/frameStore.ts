@@ -102,7 +102,12 @@ export class FrameStore<P extends Picture> {
 
   /** The labels changed: show the same pictures with the new ones, once they are here. */
   refreshObservations(): void {
-    if (this.committedFrame) this.loadObservations(this.committedFrame.frame);
+    if (this.committedFrame) this.loadObservations(this.committedFrame.frame, true);
+  }
+
+  /** Show the first frame as soon as its own observations are here, ahead of those of its block. */
+  begin(frame: number): void {
+    this.loadObservations(frame, true);
   }
 
   /** Pictures are wanted in another size from now on: load the frame on the screen anew; it stays until then. */
@@ -177,10 +182,13 @@ export class FrameStore<P extends Picture> {
     }
   }
 
-  private loadObservations(frame: number): void {
-    if (this.options.observations.isFresh(frame)) return;
-    this.options.observations.ensure(frame).then(
+  /** Loads them by the block; `alone` gets the frame itself first, where a person waits for it. */
+  private loadObservations(frame: number, alone = false): void {
+    const { observations } = this.options;
+    if (observations.isFresh(frame)) return;
+    (alone ? observations.ensureAlone(frame) : observations.ensure(frame)).then(
       () => {
+        if (alone && !this.closed) this.loadObservations(frame);
         this.failedObservations.delete(frame);
         if (this.closed) return;
         this.commitReady();

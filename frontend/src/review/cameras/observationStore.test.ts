@@ -58,4 +58,24 @@ describe("ObservationStore", () => {
     expect(store.isOlderThan(4)).toBe(false);
     expect(store.isOlderThan(5)).toBe(true);
   });
+
+  it("gets one frame alone ahead of its block, and prefers the block once it is here", async () => {
+    const { store, asked } = serve(60);
+    await store.ensureAlone(25);
+    expect(asked).toEqual(["25-26"]);
+    expect(store.get(25)).toEqual([]);
+    expect(store.isFresh(25)).toBe(false);
+    await store.ensure(25);
+    await store.ensureAlone(25);
+    expect(asked).toEqual(["25-26", "20-40"]);
+  });
+
+  it("shows a frame's new labels before those of its block", async () => {
+    const { store } = serve(60);
+    const before = await store.ensure(25);
+    store.invalidate(2);
+    const after = await store.ensureAlone(25);
+    expect(after).not.toBe(before);
+    expect(store.get(25)).toBe(after);
+  });
 });

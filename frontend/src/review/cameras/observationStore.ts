@@ -1,6 +1,8 @@
 /**
  * The observations of a drive by frame, fetched in blocks of frames and kept for as long as their revision holds.
  *
+ * The frame that a person waits for may be fetched alone, ahead of its block: it is there many times sooner.
+ *
  * After a decision the labels change: `invalidate` marks all blocks as old. Old blocks are still served (they show the
  * right boxes of the right frame, with labels of a moment ago) until the new ones are here.
  */
@@ -25,6 +27,8 @@ interface Block {
 
 export class ObservationStore {
   private readonly blocks = new LeastRecentlyUsed<number, Block>(BLOCKS_KEPT);
+  /** Frames that were fetched alone, until their block is here. */
+  private readonly alone = new Map<number, { generation: number; observations: Observation[] }>();
   private readonly inFlight = new Map<string, Promise<void>>();
   private readonly listeners = new Set<() => void>();
   private generation = 0;
@@ -39,11 +43,27 @@ export class ObservationStore {
 
   /** What is known of a frame now, maybe of an older revision; undefined if it must be loaded. */
   get(frame: number): Observation[] | undefined {
-    return this.blocks.get(blockOf(frame))?.frames.get(frame);
+    const block = this.blocks.get(blockOf(frame));
+    const single = this.alone.get(frame);
+    if (single && single.generation > (block?.generation ?? -1)) return single.observations;
+    return block?.frames.get(frame);
   }
 
   isFresh(frame: number): boolean {
     return this.blocks.get(blockOf(frame))?.generation === this.generation;
+  }
+
+  /** Resolves once the frame's own observations are known and of the latest revision; its block comes later. */
+  async ensureAlone(frame: number): Promise<Observation[]> {
+    while (!this.isFresh(frame) && this.alone.get(frame)?.generation !== this.generation) {
+      const generation = this.generation;
+      const page = await this.load(frame, frame + 1);
+      this.hear(page.revision);
+      const observations = page.frames.find((one) => one.frame_index === frame)?.observations ?? [];
+      // An answer that was overtaken by another change is of no use any more.
+      if (generation === this.generation) this.alone.set(frame, { generation, observations });
+    }
+    return this.get(frame) ?? [];
   }
 
   /** Resolves once the frame's observations are known and of the latest revision. */
@@ -84,15 +104,24 @@ export class ObservationStore {
         if (known && known.generation > generation) return;
         const frames = new Map<number, Observation[]>();
         for (let frame = start; frame < stop; frame += 1) frames.set(frame, []);
-        for (const one of page.frames) frames.set(one.frame_index, one.observations);
+        for (const one of page.frames) {
+          // What is on the screen already stays the same object: nothing is painted twice.
+          const single = this.alone.get(one.frame_index);
+          frames.set(one.frame_index, single?.generation === generation ? single.observations : one.observations);
+        }
         this.blocks.set(block, { generation, frames });
-        const newer = this.revision !== null && page.revision > this.revision;
-        this.revision = Math.max(this.revision ?? page.revision, page.revision);
-        if (newer) this.onNewRevision(page.revision);
+        for (const frame of frames.keys()) this.alone.delete(frame);
+        this.hear(page.revision);
       })
       .finally(() => this.inFlight.delete(key));
     this.inFlight.set(key, promise);
     return promise;
+  }
+
+  private hear(revision: number): void {
+    const newer = this.revision !== null && revision > this.revision;
+    this.revision = Math.max(this.revision ?? revision, revision);
+    if (newer) this.onNewRevision(revision);
   }
 }
 
