@@ -129,6 +129,11 @@ def _boxes_3d(tracked: Tracked, found: Observations, rows: NDArray[np.intp]) -> 
         class_id=tracked.class_id[rows],
         num_points=(400 / np.maximum(tracked.sightings.distance_m[rows], 1)).astype(np.int32),
         detection_index=detections,
+        source=np.zeros(len(rows), np.int8),
+        center_std_m=np.full((len(rows), 2), 0.2, np.float32),
+        yaw_std_rad=np.full(len(rows), 0.1, np.float32),
+        seen_m=np.concatenate([-size_m[:, :2] / 2, size_m[:, :2] / 2], axis=1),
+        offset_s=np.zeros(len(rows), np.float32),
     )
 
 
