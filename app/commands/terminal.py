@@ -12,6 +12,7 @@ INTERRUPTED = 130
 WIDEST_TABLE = 200
 STAGES = {
     "detect": "Detecting in each image",
+    "segment": "Segmenting each image",
     "lidar": "Fitting 3D boxes to LiDAR points",
     "track": "Tracking in each camera",
     "identity": "Finding tracks of one object",

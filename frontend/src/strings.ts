@@ -41,6 +41,7 @@ export const text = {
     states: { new: "Not labelled", queued: "Waiting", labelling: "Labelling", ready: "Ready", failed: "Failed" },
     stages: {
       detect: "Finding objects",
+      segment: "Telling road from vehicles",
       track: "Tracking in each camera",
       lidar: "Making 3D boxes",
       identity: "Matching across cameras",

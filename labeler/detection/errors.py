@@ -1,7 +1,7 @@
 """What can be wrong with a detector."""
 
-from labeler.errors import HindsightError
+from labeler.inference.errors import ModelError
 
 
-class DetectionError(HindsightError):
-    """The model file can't be used, or failed while it ran: the message names the file, says why and what to do."""
+class DetectionError(ModelError):
+    """The file is no YOLOX model, knows none of the classes asked for, or failed while it ran."""

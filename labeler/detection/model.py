@@ -19,7 +19,7 @@ from labeler.detection.classes import COCO_CLASSES
 from labeler.detection.config import LARGEST_STRIDE_PX
 from labeler.detection.decode import anchor_grid, looks_decoded
 from labeler.detection.errors import DetectionError
-from labeler.detection.sessions import OpenSession, TensorInfo, open_session
+from labeler.inference import OpenSession, TensorInfo, open_session
 
 _PROBE_HW = (128, 160)
 _EXPECTED = (

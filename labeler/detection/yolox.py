@@ -20,10 +20,10 @@ from labeler.detection.decode import STRIDES_PX, anchor_grid, find_candidates
 from labeler.detection.errors import DetectionError
 from labeler.detection.letterbox import Letterbox, fit_letterbox
 from labeler.detection.model import YoloxModel
-from labeler.detection.sessions import CPU_PROVIDER
 from labeler.detection.suppression import suppress
 from labeler.detection.tiles import Tile, join_tiles, plan_tiles
 from labeler.detection.types import Detections
+from labeler.inference import CPU_PROVIDER
 
 _GPU_BATCH_SIZE = 8
 

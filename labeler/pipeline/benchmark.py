@@ -20,8 +20,8 @@ import cv2
 import numpy as np
 
 from labeler.detection import YoloxDetector, open_detector
-from labeler.detection.sessions import open_session
 from labeler.drive import Drive, Frame, ImageFile
+from labeler.inference import open_session
 from labeler.pipeline.run import label_drive
 from labeler.pipeline.settings import LabelSettings
 

@@ -1,18 +1,11 @@
-"""Detection over a drive: images in, one table of detections for each camera and clip of frames.
-
-Decoding (OpenCV) and inference (onnxruntime) let other Python threads run, so each of ``threads`` threads takes whole
-images through both. With one intra-op thread a session, that keeps all cores busy where splitting a small network's
-operators over them would not. Only a few images are in memory at a time.
-"""
+"""Detection over a drive: images in, one table of detections for each camera and clip of frames."""
 
 from __future__ import annotations
 
 import time
-from collections import deque
 from collections.abc import Iterator, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
-from itertools import islice
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -29,6 +22,7 @@ from labeler.pipeline.tables import (
     rows_of,
     write_table,
 )
+from labeler.pipeline.threads import in_threads
 from labeler.pipeline.types import Progress
 from labeler.tracking import DetectedFrame
 
@@ -78,7 +72,8 @@ def detect(
     path_of = {unit.key: path for unit, path in left}
     seconds = 0.0
     done: list[_BatchResult] = []
-    for batch, result in _run(_batches([unit for unit, _ in left], detector.batch_size), detector, threads):
+    batches = _batches([unit for unit, _ in left], detector.batch_size)
+    for batch, result in in_threads(partial(_detect_batch, detector), batches, threads=threads, name=STAGE):
         seconds += result.detector_seconds
         done.append(result)
         if batch.is_last:
@@ -104,23 +99,7 @@ def _batches(units: Sequence[DetectUnit], size: int) -> Iterator[_Batch]:
             yield _Batch(unit, unit.images[start : start + size], start + size >= len(unit.images))
 
 
-def _run(batches: Iterator[_Batch], detector: Detector, threads: int) -> Iterator[tuple[_Batch, _BatchResult]]:
-    """The batches with their results, in order; at most two per thread are under way."""
-    running: deque[tuple[_Batch, Future[_BatchResult]]] = deque()
-    with ThreadPoolExecutor(threads, thread_name_prefix="detect") as pool:
-        try:
-            for batch in islice(batches, 2 * threads):
-                running.append((batch, pool.submit(_detect_batch, batch, detector)))
-            while running:
-                batch, result = running.popleft()
-                yield batch, result.result()
-                for following in islice(batches, 1):
-                    running.append((following, pool.submit(_detect_batch, following, detector)))
-        finally:
-            pool.shutdown(wait=True, cancel_futures=True)
-
-
-def _detect_batch(batch: _Batch, detector: Detector) -> _BatchResult:
+def _detect_batch(detector: Detector, batch: _Batch) -> _BatchResult:
     read: list[tuple[int, ImageFile]] = []
     images: list[np.ndarray[tuple[int, ...], np.dtype[np.uint8]]] = []
     warnings: list[str] = []

@@ -32,6 +32,7 @@ from labeler.lidar import (
     prepare_scene,
 )
 from labeler.pipeline.detecting import read_detections
+from labeler.pipeline.segmenting import SegmentationClip
 from labeler.pipeline.stages import Stage
 from labeler.pipeline.tables import Columns, columns_of, concatenate, read_note, rows_of, write_table
 
@@ -56,12 +57,14 @@ class LidarFrame:
 
 @dataclass(frozen=True)
 class LidarUnit:
-    """A clip of frames, for every calibrated camera; ``detections`` is that clip's artifact by camera."""
+    """A clip of frames, for every calibrated camera. ``detections`` is that clip's artifact by camera, and so is
+    ``segmentation``, which is empty where the drive was not segmented."""
 
     key: str
     frames: tuple[LidarFrame, ...]
     cameras: tuple[Camera, ...]
     detections: Mapping[str, Path]
+    segmentation: Mapping[str, Path]
     read_sweep: SweepReader
     config: LidarConfig
     class_names: tuple[str, ...]
@@ -92,6 +95,7 @@ def locate_detections(unit: LidarUnit, path: Path) -> None:
         name: {frame.frame_index: frame.detections for frame in read_detections([file])}
         for name, file in unit.detections.items()
     }
+    segmented = {name: SegmentationClip(file) for name, file in unit.segmentation.items()}
     maker = open_box_maker(unit.config, class_names=unit.class_names)
     parts = [_columns(Boxes3D.empty(), Positions3D.empty(), Detections.empty(), 0, 0)]
     warnings: list[str] = []
@@ -102,6 +106,7 @@ def locate_detections(unit: LidarUnit, path: Path) -> None:
             camera.name: CameraInput(
                 View.of(camera, frame.image_ego_SE3_frame_ego.get(camera.name)),
                 found.get(camera.name, {}).get(frame.frame_index, Detections.empty()),
+                segmented[camera.name].at(frame.frame_index) if camera.name in segmented else None,
             )
             for camera in unit.cameras
         }

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import pickle
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from hashlib import blake2b
 from itertools import groupby
@@ -19,12 +19,13 @@ import numpy as np
 
 from labeler.detection import DetectionConfig, Detector
 from labeler.detection.classes import suppression_group_of
-from labeler.drive import Camera, Drive, SweepFile
+from labeler.drive import Camera, Drive, Frame, ImageFile, SweepFile
 from labeler.identity import IdentityConfig
 from labeler.lidar import LidarConfig
 from labeler.pipeline.artifacts import Artifacts, key_of
 from labeler.pipeline.detecting import DetectUnit
 from labeler.pipeline.lidar_units import LidarFrame, LidarUnit, lidar_frame
+from labeler.pipeline.segmenting import SegmentUnit
 from labeler.pipeline.units import DonorUnit, IdentityUnit, LabelUnit, TrackUnit
 from labeler.propagation import PropagationConfig
 from labeler.tracking import TrackingConfig
@@ -50,7 +51,8 @@ class Classes:
 
 @dataclass(frozen=True)
 class Clips:
-    """The artifacts of detection: for each camera that has images, those of its clips by number, in order of time.
+    """The artifacts of detection, or segmentation: for each camera that has images, those of its clips by number, in
+    order of time.
 
     ``images`` counts the images of each camera.
     """
@@ -59,7 +61,7 @@ class Clips:
     images: Mapping[str, int]
 
     @staticmethod
-    def of(units: Sequence[DetectUnit], paths: Sequence[Path]) -> Clips:
+    def of(units: Sequence[DetectUnit] | Sequence[SegmentUnit], paths: Sequence[Path]) -> Clips:
         of_camera: dict[str, dict[int, Path]] = {}
         images: Counter[str] = Counter()
         for unit, path in zip(units, paths, strict=True):
@@ -83,25 +85,29 @@ def detect_units(
     model_hash = artifacts.content_hash([model])
     planned: list[DetectUnit] = []
     for camera in drive.cameras:
-        images = [(frame.index, frame.images[camera.name]) for frame in drive.frames if camera.name in frame.images]
-        for clip, group in groupby(images, key=lambda item: item[0] // CLIP_FRAMES):
-            of_clip = tuple(group)
-            key = key_of(
-                model_hash,
-                detector.class_names,
-                config,
-                (camera.width_px, camera.height_px),
-                [(index, file.timestamp_ns) for index, file in of_clip],
-                artifacts.content_hash(file.path for _, file in of_clip),
-            )
+        for clip, of_clip in _clips_of_images(camera, drive.frames):
+            key = key_of(model_hash, detector.class_names, config, _images_key(camera, of_clip, artifacts))
             planned.append(DetectUnit(key, camera, clip, of_clip))
     return planned
 
 
+def segment_units(drive: Drive, *, artifacts: Artifacts, model: Path) -> list[SegmentUnit]:
+    """A unit for each calibrated camera and clip of frames, where the drive has LiDAR: what can be painted."""
+    model_hash = artifacts.content_hash([model])
+    planned: list[SegmentUnit] = []
+    for camera in drive.cameras:
+        if camera.calibration is None or not drive.has_lidar:
+            continue
+        for clip, of_clip in _clips_of_images(camera, drive.frames):
+            key = key_of(model_hash, _images_key(camera, of_clip, artifacts))
+            planned.append(SegmentUnit(key, camera, clip, of_clip))
+    return planned
+
+
 def lidar_units(
-    drive: Drive, clips: Clips, classes: Classes, config: LidarConfig, *, artifacts: Artifacts
+    drive: Drive, clips: Clips, segmented: Clips, classes: Classes, config: LidarConfig, *, artifacts: Artifacts
 ) -> list[LidarUnit]:
-    """A unit for each clip of frames; none when no camera is calibrated."""
+    """A unit for each clip of frames; none when no camera is calibrated. ``segmented`` may be empty."""
     cameras = tuple(camera for camera in drive.cameras if camera.calibration is not None)
     rig = [(camera.name, *_calibration_key(camera)) for camera in cameras]
     reader = blake2b(pickle.dumps(drive.read_sweep), digest_size=16).hexdigest()
@@ -111,17 +117,20 @@ def lidar_units(
         return planned
     for clip, group in groupby(drive.frames, key=lambda frame: frame.index // CLIP_FRAMES):
         frames = tuple(lidar_frame(frame, sweeps[frame.index], drive.poses) for frame in group)
-        detections = clips.of_clip(clip)
+        detections, segmentation = clips.of_clip(clip), segmented.of_clip(clip)
         key = key_of(
             config,
             classes.names,
             rig,
             reader,
-            {camera: path.name for camera, path in detections.items()},
+            _names(detections),
+            _names(segmentation),
             [(frame.frame_index, frame.timestamp_ns, _motion_key(frame)) for frame in frames],
             artifacts.content_hash(frame.sweep.path for frame in frames if frame.sweep is not None),
         )
-        planned.append(LidarUnit(key, frames, cameras, detections, drive.read_sweep, config, classes.names))
+        planned.append(
+            LidarUnit(key, frames, cameras, detections, segmentation, drive.read_sweep, config, classes.names)
+        )
     return planned
 
 
@@ -154,6 +163,24 @@ def label_units(tracks: Mapping[str, Path], identities: Path, donors: Path) -> l
     return [
         LabelUnit(key_of(path.name, identities.name, donors.name), path, identities, donors) for path in tracks.values()
     ]
+
+
+def _clips_of_images(
+    camera: Camera, frames: Sequence[Frame]
+) -> Iterator[tuple[int, tuple[tuple[int, ImageFile], ...]]]:
+    """(clip, its images with their frames) of one camera, in order."""
+    images = [(frame.index, frame.images[camera.name]) for frame in frames if camera.name in frame.images]
+    for clip, group in groupby(images, key=lambda item: item[0] // CLIP_FRAMES):
+        yield clip, tuple(group)
+
+
+def _images_key(camera: Camera, images: Sequence[tuple[int, ImageFile]], artifacts: Artifacts) -> str:
+    """A key of all that reading these images depends on."""
+    return key_of(
+        (camera.width_px, camera.height_px),
+        [(index, file.timestamp_ns) for index, file in images],
+        artifacts.content_hash(file.path for _, file in images),
+    )
 
 
 def _names(paths: Mapping[str, Path]) -> dict[str, str]:

@@ -26,6 +26,7 @@ from labeler.pipeline.lidar_units import LIDAR, agreement_of
 from labeler.pipeline.memory import PeakMemory
 from labeler.pipeline.reading import read_labelled_frames
 from labeler.pipeline.results import keep_detections
+from labeler.pipeline.segmenting import segment
 from labeler.pipeline.settings import LabelSettings
 from labeler.pipeline.stages import AnyUnit, Stage, run_stage
 from labeler.pipeline.tables import read_batches, read_note
@@ -39,12 +40,14 @@ from labeler.pipeline.types import (
     TrackSummary,
 )
 from labeler.pipeline.units import DONORS, IDENTITY, LABELS, TRACK, read_donors, read_identities
+from labeler.segmentation import open_segmenter
 
 
 def label_drive(
     drive: Drive,
     *,
     model: Path,
+    segmentation: Path | None = None,
     workspace: Path,
     settings: LabelSettings | None = None,
     executor: Executor | None = None,
@@ -52,20 +55,28 @@ def label_drive(
 ) -> LabelledDrive:
     """Label ``drive`` with the YOLOX model in the file ``model``, keeping artifacts in the folder ``workspace``.
 
+    With a ``segmentation`` model, images of calibrated cameras are segmented for the painting of LiDAR points; a drive
+    without LiDAR or calibration does without.
     What an earlier run in the same workspace made of the same data, model and settings is taken from there, so a run
     that was stopped resumes. ``executor`` defaults to worker processes on all cores; one that is passed in stays open.
-    Raises DetectionError for a model that can't be used, WorkspaceError for a folder that can't be written to, and
+    Raises ModelError for a model that can't be used, WorkspaceError for a folder that can't be written to, and
     Cancelled when ``progress`` says so. A file of the drive that can't be read is skipped and named in the summary's
     warnings.
     """
     if executor is None:
         with open_executor("processes") as own:
             return label_drive(
-                drive, model=model, workspace=workspace, settings=settings, executor=own, progress=progress
+                drive,
+                model=model,
+                segmentation=segmentation,
+                workspace=workspace,
+                settings=settings,
+                executor=own,
+                progress=progress,
             )
     run = _Run(Artifacts(workspace), executor, progress or SilentProgress())
     with PeakMemory() as memory:
-        results = _run_stages(run, drive, model, settings or LabelSettings())
+        results = _run_stages(run, drive, model, segmentation, settings or LabelSettings())
         return _summarise(run, drive, results, memory)
 
 
@@ -98,6 +109,7 @@ class _Results:
     class_names: tuple[str, ...]
     detector_seconds: float
     detections: dict[str, list[Path]]
+    segmentation: dict[str, list[Path]]
     tracks: dict[str, Path]
     boxes_3d: list[Path]
     identities: Path
@@ -105,7 +117,7 @@ class _Results:
     labels: dict[str, Path]
 
 
-def _run_stages(run: _Run, drive: Drive, model: Path, settings: LabelSettings) -> _Results:
+def _run_stages(run: _Run, drive: Drive, model: Path, segmentation: Path | None, settings: LabelSettings) -> _Results:
     """The phases of a run, in order."""
     artifacts = run.artifacts
     with run.timed("detect"):
@@ -117,8 +129,10 @@ def _run_stages(run: _Run, drive: Drive, model: Path, settings: LabelSettings) -
     classes = plan.Classes.of(detector)
     clips = plan.Clips.of(detect_units, detected.paths)
 
+    segmented = _segment(run, drive, segmentation)
+
     with run.timed("lidar"):
-        lidar_units = plan.lidar_units(drive, clips, classes, settings.lidar, artifacts=artifacts)
+        lidar_units = plan.lidar_units(drive, clips, segmented, classes, settings.lidar, artifacts=artifacts)
     boxes_3d = run.stage(LIDAR, lidar_units)
 
     track_units = plan.track_units(clips, classes, settings.tracking)
@@ -128,8 +142,30 @@ def _run_stages(run: _Run, drive: Drive, model: Path, settings: LabelSettings) -
     donors = run.stage(DONORS, [plan.donor_unit(tracks, identities, settings.propagation)])[0]
     labels = dict(zip(tracks, run.stage(LABELS, plan.label_units(tracks, identities, donors)), strict=True))
     return _Results(
-        classes.names, detected.detector_seconds, clips.by_camera(), tracks, boxes_3d, identities, donors, labels
+        classes.names,
+        detected.detector_seconds,
+        clips.by_camera(),
+        segmented.by_camera(),
+        tracks,
+        boxes_3d,
+        identities,
+        donors,
+        labels,
     )
+
+
+def _segment(run: _Run, drive: Drive, model: Path | None) -> plan.Clips:
+    """The scores of the images that can be painted; empty without a model, or where nothing can be painted."""
+    if model is None:
+        return plan.Clips.of([], [])
+    with run.timed("segment"):
+        units = plan.segment_units(drive, artifacts=run.artifacts, model=model)
+        if not units:
+            return plan.Clips.of([], [])
+        segmenter = open_segmenter(model)
+        threads = run.executor.workers
+        paths = segment(units, segmenter, artifacts=run.artifacts, threads=threads, progress=run.progress)
+    return plan.Clips.of(units, paths)
 
 
 def _summarise(run: _Run, drive: Drive, results: _Results, memory: PeakMemory) -> LabelledDrive:
@@ -183,7 +219,7 @@ def _merge_summary(identities: Merges) -> MergeSummary:
 
 def _warnings(drive: Drive, results: _Results) -> list[str]:
     warnings = list(drive.warnings)
-    for paths in (*results.detections.values(), results.boxes_3d):
+    for paths in (*results.detections.values(), *results.segmentation.values(), results.boxes_3d):
         for path in paths:
             warnings.extend(read_note(path)["warnings"])
     warnings.extend(calibration_warnings(agreement_of(results.boxes_3d)))
@@ -191,4 +227,4 @@ def _warnings(drive: Drive, results: _Results) -> list[str]:
         warnings.append(
             "This drive has no LiDAR with calibrated cameras, so tracks of different cameras can't be merged."
         )
-    return warnings
+    return list(dict.fromkeys(warnings))  # an image that can't be read is noted by detection and by segmentation

@@ -47,12 +47,15 @@ def concatenate(parts: list[dict[str, NDArray[Any]]]) -> dict[str, NDArray[Any]]
     return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 
-def write_table(path: Path, batches: Iterable[Columns], *, note: Mapping[str, Any] | None = None) -> None:
-    """Write at least one batch (it may have no rows) of equal columns to an Arrow file."""
+def write_table(
+    path: Path, batches: Iterable[Columns], *, note: Mapping[str, Any] | None = None, compressed: bool = False
+) -> None:
+    """Write at least one batch (it may have no rows) of equal columns to an Arrow file, ``compressed`` by zstd."""
     iterator = iter(batches)
     first = _record_batch(next(iterator))
     schema = first.schema.with_metadata({_NOTE: json.dumps(note or {}).encode()})
-    with pa.OSFile(str(path), "wb") as sink, pa.ipc.new_file(sink, schema) as writer:
+    options = pa.ipc.IpcWriteOptions(compression="zstd" if compressed else None)
+    with pa.OSFile(str(path), "wb") as sink, pa.ipc.new_file(sink, schema, options=options) as writer:
         writer.write_batch(first.cast(schema))
         for columns in iterator:
             writer.write_batch(_record_batch(columns).cast(schema))
@@ -65,6 +68,13 @@ def read_batches(path: Path) -> Iterator[dict[str, NDArray[Any]]]:
         for number in range(reader.num_record_batches):
             batch = reader.get_batch(number)
             yield {name: _to_numpy(batch.column(name)) for name in batch.schema.names}
+
+
+def read_batch(path: Path, number: int) -> dict[str, NDArray[Any]]:
+    """One batch of a table, without reading the others."""
+    with pa.OSFile(str(path), "rb") as source:
+        batch = pa.ipc.open_file(source).get_batch(number)
+        return {name: _to_numpy(batch.column(name)) for name in batch.schema.names}
 
 
 def read_note(path: Path) -> dict[str, Any]:

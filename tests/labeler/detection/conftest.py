@@ -9,35 +9,14 @@ import numpy as np
 import onnx
 import pytest
 from numpy.typing import NDArray
-from onnx import TensorProto, helper, numpy_helper
+from onnx import helper
+
+from tests.made_models import save_model
 
 STRIDES_PX = (8, 16, 32)
 LOG_4 = float(np.log(4))
 
 ModelMaker = Callable[..., Path]
-
-
-def save_model(
-    path: Path,
-    nodes: list[onnx.NodeProto],
-    constants: dict[str, NDArray[np.generic]],
-    *,
-    input_shape: Sequence[int | str],
-    output_shape: Sequence[int | str],
-    metadata: dict[str, str] | None = None,
-    input_type: int = TensorProto.FLOAT,
-) -> Path:
-    graph = helper.make_graph(
-        nodes,
-        "tiny",
-        [helper.make_tensor_value_info("images", input_type, list(input_shape))],
-        [helper.make_tensor_value_info("output", TensorProto.FLOAT, list(output_shape))],
-        [numpy_helper.from_array(np.asarray(value), name) for name, value in constants.items()],
-    )
-    model = helper.make_model(graph, opset_imports=[helper.make_opsetid("", 13)], ir_version=8)
-    helper.set_model_props(model, metadata or {})
-    onnx.save(model, str(path))
-    return path
 
 
 @pytest.fixture

@@ -13,7 +13,7 @@ from typing import Protocol, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from labeler.detection.errors import DetectionError
+from labeler.inference.errors import ModelError
 
 CPU_PROVIDER = "CPUExecutionProvider"
 GPU_PROVIDERS = (
@@ -106,7 +106,7 @@ def open_session(
     """Load an ONNX file.
 
     With ``providers`` None each preferred one of the ``available`` (None asks onnxruntime) is tried in turn, with a
-    logged warning for one that fails to start. Providers asked for by name must work. Raises DetectionError when they
+    logged warning for one that fails to start. Providers asked for by name must work. Raises ModelError when they
     don't, or when the file is no ONNX model.
     """
     _require_file(path)
@@ -115,7 +115,7 @@ def open_session(
     if providers is not None:
         missing = [name for name in providers if name not in available]
         if missing or not providers:
-            raise DetectionError(
+            raise ModelError(
                 f"onnxruntime offers no provider {', '.join(missing) or '(none was named)'} on this machine. "
                 f"It offers: {', '.join(available)}."
             )
@@ -124,7 +124,7 @@ def open_session(
     for gpu in gpus:
         try:
             return _load(path, (gpu, cpu), intra_op_threads)
-        except DetectionError as error:
+        except ModelError as error:
             _log.warning("%s can't be used, going on without it: %s", gpu, error)
     return _load(path, (cpu,), intra_op_threads)
 
@@ -140,14 +140,14 @@ def _load(path: Path, providers: Sequence[str], intra_op_threads: int) -> OpenSe
         session = _onnxruntime().InferenceSession(str(path), options, providers=list(providers), enable_fallback=0)
     except Exception as error:  # onnxruntime's errors share no other base class
         if providers[0] != CPU_PROVIDER:
-            raise DetectionError(f"{path} could not be loaded with {providers[0]}: {error}") from error
-        raise DetectionError(
+            raise ModelError(f"{path} could not be loaded with {providers[0]}: {error}") from error
+        raise ModelError(
             f"{path} can't be opened as an ONNX model: {error}. Is it the whole .onnx file, not a checkpoint (.pth) or "
             "a broken download?"
         ) from error
     opened = OpenSession(session)
     if opened.providers[0] != providers[0]:
-        raise DetectionError(
+        raise ModelError(
             f"{providers[0]} failed to start, see onnxruntime's own message; in use would be: "
             f"{', '.join(opened.providers)}."
         )
@@ -156,8 +156,8 @@ def _load(path: Path, providers: Sequence[str], intra_op_threads: int) -> OpenSe
 
 def _require_file(path: Path) -> None:
     if not path.exists():
-        raise DetectionError(f"There is no model file {path}.")
+        raise ModelError(f"There is no model file {path}.")
     if not path.is_file():
-        raise DetectionError(f"{path} is not a file. Give the path of an .onnx file.")
+        raise ModelError(f"{path} is not a file. Give the path of an .onnx file.")
     if path.stat().st_size == 0:
-        raise DetectionError(f"{path} is empty. Copy or download the model again.")
+        raise ModelError(f"{path} is empty. Copy or download the model again.")
