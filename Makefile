@@ -20,7 +20,7 @@ help: ## list the targets
 	@echo "Usage: make TARGET"
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  %-10s%s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
-demo: $(READY) ## label a drive and open it for review: make demo [DRIVE=folder] MODEL=yolox.onnx
+demo: $(READY) ## label a drive and open it for review: make demo [DRIVE=folder] [MODEL=name or file]
 	@$(PAGE) build
 	@$(BIN)/hindsight demo $(if $(DRIVE),"$(DRIVE)") $(if $(MODEL),--model "$(MODEL)")
 
@@ -39,13 +39,12 @@ lint: $(READY) ## check style, types, layers and lock files
 	  echo "frontend/package-lock.json holds download addresses; make it again with frontend/.npmrc in place" >&2; exit 1; \
 	fi
 
-bench: $(READY) ## measure the pipeline against bare inference: make bench DRIVE=folder MODEL=yolox.onnx
-	@if [ -z "$(DRIVE)" ] || [ -z "$(MODEL)" ]; then \
-	  echo "make bench needs a recorded drive and a YOLOX model in ONNX form:" >&2; \
-	  echo "  make bench DRIVE=path/to/drive MODEL=path/to/yolox.onnx" >&2; \
+bench: $(READY) ## measure the pipeline against bare inference: make bench DRIVE=folder [MODEL=name or file]
+	@if [ -z "$(DRIVE)" ]; then \
+	  echo "make bench needs a recorded drive: make bench DRIVE=path/to/drive" >&2; \
 	  exit 2; \
 	fi
-	@$(BIN)/hindsight benchmark pipeline "$(DRIVE)" --model "$(MODEL)"
+	@$(BIN)/hindsight benchmark pipeline "$(DRIVE)" $(if $(MODEL),--model "$(MODEL)")
 
 openapi: $(READY) ## write frontend/openapi.json and the page's typed client again
 	$(BIN)/hindsight openapi .make/openapi.json

@@ -11,6 +11,7 @@ from app.commands.benchmark import benchmark
 from app.commands.demo import demo
 from app.commands.evaluate import evaluate
 from app.commands.label import label
+from app.commands.models import models
 from app.commands.record_carla import record_carla
 from app.commands.serve import serve, worker
 from app.commands.simulate import simulate
@@ -44,6 +45,7 @@ main = typer.Typer(
 )
 for command in (demo, label, evaluate, simulate, record_carla, serve, worker):
     main.command()(command)
+main.add_typer(models, name="models")
 main.add_typer(benchmark, name="benchmark")
 
 

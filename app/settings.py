@@ -12,6 +12,7 @@ from pydantic import Field, ValidationError, field_validator
 from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
 from labeler.errors import HindsightError
+from labeler.models import ModelCache
 
 PREFIX = "HINDSIGHT_"
 GIB = 1024**3
@@ -23,10 +24,16 @@ def default_workspace() -> Path:
     return (Path(data_home) if data_home else Path.home() / ".local" / "share") / "hindsight"
 
 
+def default_models() -> Path:
+    """``hindsight/models`` in the user's cache folder (XDG_CACHE_HOME, else ~/.cache)."""
+    cache_home = os.environ.get("XDG_CACHE_HOME")
+    return (Path(cache_home) if cache_home else Path.home() / ".cache") / "hindsight" / "models"
+
+
 class Settings(BaseSettings):
     """Settings of the web server and of the worker. Both must be given the same ones."""
 
-    model_config = SettingsConfigDict(env_prefix=PREFIX, frozen=True, protected_namespaces=())
+    model_config = SettingsConfigDict(env_prefix=PREFIX, env_ignore_empty=True, frozen=True, protected_namespaces=())
 
     workspace: Path = Field(
         default_factory=default_workspace,
@@ -37,8 +44,21 @@ class Settings(BaseSettings):
     )
     host: str = Field(default="127.0.0.1", description="Address that the web server listens on.")
     port: int = Field(default=8000, ge=0, le=65535, description="Port of the web server; 0 takes any free one.")
-    model: Path | None = Field(
-        default=None, description="YOLOX model file (.onnx) that drives are labelled with when none is named."
+    model: str | None = Field(
+        default=None,
+        description="Model that drives are labelled with when none is named: a YOLOX file (.onnx), or a name of "
+        "`hindsight models list`. Without it: the best official one in the cache, else the one that ships.",
+    )
+    segmentation: str | None = Field(
+        default=None,
+        description="Model that images are segmented with to paint LiDAR points: a file (.onnx), a name, or `none`. "
+        "Without it: the one that ships, on simulated drives.",
+    )
+    models: Path = Field(default_factory=default_models, description="Folder that pulled and added models lie in.")
+    model_mirror: str | None = Field(
+        default=None,
+        description="Address of a folder that holds the official model files; `hindsight models pull` takes them from "
+        "there.",
     )
     allowed_hosts: Annotated[tuple[str, ...], NoDecode] = Field(
         default=(),
@@ -89,6 +109,11 @@ class Settings(BaseSettings):
     def store_url(self) -> str:
         """The URL of the store that is in use."""
         return self.database_url or f"sqlite:///{self.workspace / 'hindsight.db'}"
+
+    @property
+    def model_cache(self) -> ModelCache:
+        """The models that were pulled or added."""
+        return ModelCache(self.models)
 
     @property
     def drives_folder(self) -> Path:

@@ -1,5 +1,6 @@
 """Drives and models for tests: recorded ones from ../shared, which not every machine has, and ones made by code."""
 
+import os
 from pathlib import Path
 
 import pytest
@@ -7,6 +8,16 @@ import pytest
 from tests.made_drive import write_drive, write_model
 
 SHARED = Path(__file__).resolve().parents[2] / "shared"
+
+
+@pytest.fixture(scope="session", autouse=True)
+def models_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """An empty folder of models, in place of the one that this machine's user may have filled."""
+    folder = tmp_path_factory.mktemp("models cache")
+    os.environ["HINDSIGHT_MODELS"] = str(folder)
+    for name in ("HINDSIGHT_MODEL", "HINDSIGHT_SEGMENTATION", "HINDSIGHT_MODEL_MIRROR"):
+        os.environ.pop(name, None)
+    return folder
 
 
 def _shared(relative: str) -> Path:

@@ -10,9 +10,10 @@ from typing import Annotated
 import typer
 
 from app.commands.evaluate import evaluate_drive
-from app.commands.label import label_settings, require_model, store_labels
-from app.commands.options import AsJson, DriveFolder, InputSize, ModelFile, SceneName
+from app.commands.label import label_settings, store_labels
+from app.commands.options import AsJson, DriveFolder, InputSize, ModelName, SceneName
 from app.commands.terminal import TerminalProgress, say
+from app.model_choice import chosen_detector
 from app.settings import load_settings
 from labeler.detection import open_detector
 from labeler.drive import open_drive
@@ -34,7 +35,7 @@ def measure() -> None:
 @benchmark.command()
 def pipeline(
     drive: DriveFolder,
-    model: ModelFile = None,
+    model: ModelName = None,
     scene: SceneName = None,
     input_size: InputSize = None,
     repeat: Annotated[int, typer.Option(min=1, help="Run over the drive's frames this many times in a row.")] = 1,
@@ -44,7 +45,8 @@ def pipeline(
     """Time the whole pipeline beside the bare loop: decode each image and run the model on it."""
     settings = load_settings(model=model)
     recorded = repeat_frames(open_drive(drive, scene=scene), repeat)
-    times = benchmark_pipeline(recorded, model=require_model(settings), settings=label_settings(input_size), runs=runs)
+    model_file = chosen_detector(settings).path
+    times = benchmark_pipeline(recorded, model=model_file, settings=label_settings(input_size), runs=runs)
     if as_json:
         typer.echo(json.dumps(times))
         return
@@ -59,7 +61,7 @@ def pipeline(
 def boxes(
     drive: DriveFolder,
     model: Annotated[
-        Path | None,
+        str | None,
         typer.Option("--model", "-m", help="Box what this model detects, not the true 2D boxes.", show_default=False),
     ] = None,
     scene: SceneName = None,
@@ -69,7 +71,8 @@ def boxes(
     """Compare the 3D boxes of each camera direction with a drive's 3D truth, and time the LiDAR step."""
     settings = label_settings(input_size)
     recorded = open_drive(drive, scene=scene)
-    detector = None if model is None else open_detector(model, settings.detection)
+    file = None if model is None else chosen_detector(load_settings(model=model)).path
+    detector = None if file is None else open_detector(file, settings.detection)
     with TerminalProgress() as progress:
         progress.stage("Boxing in 3D", len(recorded.frames))
         finder = BoxFinder.of(recorded, settings.lidar, detector)

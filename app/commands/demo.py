@@ -7,7 +7,7 @@ import typer
 
 from app.commands.evaluate import evaluate_drive, show
 from app.commands.label import label_into_store
-from app.commands.options import InputSize, ModelFile, OpenBrowser, Port, SceneName, WorkspaceFolder
+from app.commands.options import InputSize, ModelName, OpenBrowser, Port, SceneName, WorkspaceFolder
 from app.commands.serve import serve_page
 from app.settings import load_settings
 from labeler.drive import open_drive
@@ -24,7 +24,7 @@ def demo(
             show_default=False,
         ),
     ] = None,
-    model: ModelFile = None,
+    model: ModelName = None,
     scene: SceneName = None,
     workspace: WorkspaceFolder = None,
     input_size: InputSize = None,

@@ -29,7 +29,7 @@ def evaluate(
     workspace: WorkspaceFolder = None,
     scene: SceneName = None,
     model: Annotated[
-        Path | None,
+        str | None,
         typer.Option("--model", "-m", help="Label with this model first, where that is not done.", show_default=False),
     ] = None,
     input_size: InputSize = None,
@@ -114,5 +114,5 @@ def _share(value: float | None) -> str:
 def _not_labelled(settings: Settings, recorded: Drive, folder: Path) -> HindsightError:
     return HindsightError(
         f"The workspace {settings.workspace} has no labels of {recorded.name}. Label it first, in the same workspace: "
-        f"hindsight label {folder} --model FILE."
+        f"hindsight label {folder}."
     )

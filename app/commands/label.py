@@ -7,16 +7,17 @@ from typing import Annotated
 
 import typer
 
-from app.commands.options import AsJson, DriveFolder, InputSize, ModelFile, SceneName, WorkspaceFolder
+from app.commands.options import AsJson, DriveFolder, InputSize, ModelName, SceneName, WorkspaceFolder
 from app.commands.terminal import TerminalProgress, say
 from app.db.engine import migrate, open_engine
 from app.db.session import Store
 from app.drives import service as drives_service
 from app.drives.schemas import DriveRegistration
+from app.model_choice import chosen_detector, segmentation_file
 from app.settings import Settings, load_settings
 from app.tracks.importing import import_labelled_drive
 from labeler.detection import DetectionConfig
-from labeler.drive import Drive, open_drive
+from labeler.drive import Drive, is_simulated, open_drive
 from labeler.errors import HindsightError
 from labeler.evaluation.merges import score_merges
 from labeler.pipeline import Executor, LabelledDrive, LabelSettings, Progress, Summary, label_drive, open_executor
@@ -31,7 +32,7 @@ class ExecutorName(StrEnum):
 
 def label(
     drive: DriveFolder,
-    model: ModelFile = None,
+    model: ModelName = None,
     scene: SceneName = None,
     workspace: WorkspaceFolder = None,
     input_size: InputSize = None,
@@ -55,19 +56,25 @@ def label_into_store(
     settings: Settings, folder: Path, *, scene: str | None, input_size: int | None, executor: Executor
 ) -> Summary:
     """Label the drive in a folder, take the result into the store, and say on standard error what came out."""
-    model = require_model(settings)
     recorded = open_drive(folder, scene=scene)
     say(f"{recorded.name}: {len(recorded.frames)} frames, {len(recorded.cameras)} cameras ({recorded.format})")
+    detector = chosen_detector(settings)
+    segmentation = segmentation_file(settings, recorded.root)
+    say(f"  model {detector.name}: {detector.path}")
+    notice = detector.notice(simulated=is_simulated(recorded.root))
+    if notice is not None:
+        say(f"Note: {notice}")
     with TerminalProgress() as progress:
         labelled = label_drive(
             recorded,
-            model=model,
+            model=detector.path,
+            segmentation=segmentation,
             workspace=settings.workspace,
             settings=label_settings(input_size),
             executor=executor,
             progress=progress,
         )
-        store_labels(settings, folder, labelled, scene=scene, model_name=model.stem, progress=progress)
+        store_labels(settings, folder, labelled, scene=scene, model_name=detector.name, progress=progress)
     _report(labelled.summary)
     _report_truth(recorded, labelled)
     return labelled.summary
@@ -89,16 +96,6 @@ def store_labels(
     stored = drives_service.add_local_drive(store, DriveRegistration(path=str(folder.absolute()), scene=scene))
     import_labelled_drive(store, stored.id, labelled, model_name=model_name, progress=progress)
     engine.dispose()
-
-
-def require_model(settings: Settings) -> Path:
-    """The model of the settings. HindsightError when there is none."""
-    if settings.model is None:
-        raise HindsightError(
-            "No model is named. Pass --model FILE, or set HINDSIGHT_MODEL, to a YOLOX model in ONNX form "
-            "(any of nano, tiny, s, m, l, x)."
-        )
-    return settings.model
 
 
 def label_settings(input_size: int | None) -> LabelSettings:

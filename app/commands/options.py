@@ -11,9 +11,15 @@ DriveFolder = Annotated[
         help="Folder of a recorded drive: an Argoverse 2 sensor log, KITTI tracking, or nuScenes.", show_default=False
     ),
 ]
-ModelFile = Annotated[
-    Path | None,
-    typer.Option("--model", "-m", help="YOLOX model file (.onnx). (default: HINDSIGHT_MODEL)", show_default=False),
+ModelName = Annotated[
+    str | None,
+    typer.Option(
+        "--model",
+        "-m",
+        help="A YOLOX file (.onnx), or a name of `hindsight models list`. (default: HINDSIGHT_MODEL, else the best "
+        "official one in the cache, else the one that ships)",
+        show_default=False,
+    ),
 ]
 SceneName = Annotated[
     str | None,

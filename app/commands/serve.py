@@ -11,7 +11,7 @@ from typing import Annotated
 
 import typer
 
-from app.commands.options import ModelFile, OpenBrowser, Port, WorkspaceFolder
+from app.commands.options import ModelName, OpenBrowser, Port, WorkspaceFolder
 from app.db.engine import migrate, open_engine
 from app.db.session import Store
 from app.drives import service as drives_service
@@ -30,7 +30,7 @@ def serve(
     workspace: WorkspaceFolder = None,
     host: Annotated[str | None, typer.Option(help="Address to listen on. (default: 127.0.0.1)")] = None,
     port: Port = None,
-    model: ModelFile = None,
+    model: ModelName = None,
     open_browser: OpenBrowser = False,
     with_worker: Annotated[
         bool, typer.Option("--worker/--no-worker", help="Run a worker beside the server; else run `hindsight worker`.")
@@ -43,7 +43,7 @@ def serve(
 
 def worker(
     workspace: WorkspaceFolder = None,
-    model: ModelFile = None,
+    model: ModelName = None,
     parent_pid: Annotated[int | None, typer.Option(hidden=True)] = None,
 ) -> None:
     """Do the jobs of a workspace, until Ctrl-C."""
@@ -72,15 +72,15 @@ def serve_page(settings: Settings, *, drives: Sequence[Path] = (), open_browser:
 
 
 def _prepare(settings: Settings, drives: Sequence[Path]) -> None:
-    """Open the store, register drives, and queue those that have no labels yet where a model is configured."""
+    """Open the store, register drives, and queue those that have no labels yet where a model suits them."""
     engine = open_engine(settings.store_url)
     migrate(engine)
     store = Store(engine)
     for path in drives:
         drive = drives_service.add_local_drive(store, DriveRegistration(path=str(path.absolute())))
-        if settings.model is not None and drive.state in (DriveState.NEW, DriveState.FAILED):
+        if drive.state in (DriveState.NEW, DriveState.FAILED):
             with store.write() as session:
-                drives_service.queue_labelling(session, settings, drive.id)
+                drives_service.queue_if_suited(session, settings, drive.id)
     engine.dispose()
 
 

@@ -16,7 +16,7 @@ router = APIRouter(prefix="/api", tags=["drives"])
 
 @router.get("/models")
 def list_models(settings: AppSettings) -> list[Model]:
-    """The model files that the server was told about."""
+    """The detectors that a drive can be labelled with: pulled, shipped and added ones, and that of the settings."""
     return service.list_models(settings)
 
 
@@ -48,7 +48,7 @@ async def upload_drive(
     settings: AppSettings,
     filename: Annotated[str, Query(min_length=1, max_length=255, description="Name of the archive.")],
 ) -> Drive:
-    """Take a drive as a zip or tar archive, and queue labelling where a model is configured."""
+    """Take a drive as a zip or tar archive, and queue labelling where a model suits it."""
     return await upload.receive_drive(request.stream(), request.headers, filename, store=store, settings=settings)
 
 
@@ -67,4 +67,4 @@ def delete_drive(drive_id: int, store: AppStore, settings: AppSettings) -> None:
 @router.post("/drives/{drive_id}/label", status_code=HTTPStatus.ACCEPTED)
 def label_drive(drive_id: int, request: LabelRequest, session: WriteSession, settings: AppSettings) -> Job:
     """Queue labelling. A label job of the drive that is still waiting or running is answered instead of a second."""
-    return service.queue_labelling(session, settings, drive_id, request.model_path)
+    return service.queue_labelling(session, settings, drive_id, request.model)

@@ -28,6 +28,7 @@ class DriveRow(Base):
     duration_ns: Mapped[int] = mapped_column(Nanoseconds)
     has_lidar: Mapped[bool]
     has_poses: Mapped[bool]
+    is_simulated: Mapped[bool]
     warnings: Mapped[list[str]]
     revision: Mapped[int] = mapped_column(default=0)
     created_at: Mapped[datetime] = mapped_column(default=now)

@@ -7,6 +7,7 @@ from typing import Any
 from pydantic import BaseModel, Field
 
 from app.jobs.schemas import Job
+from labeler.models import Origin
 
 
 class DriveState(StrEnum):
@@ -29,6 +30,9 @@ class Drive(BaseModel):
     duration_ms: float
     has_lidar: bool
     has_poses: bool
+    is_simulated: bool
+    model: str | None = Field(description="Name of the model that made its labels.")
+    notice: str | None = Field(description="What a person must know before they trust that model on this drive.")
     identity_count: int
     track_count: int
     observation_count: int
@@ -65,14 +69,16 @@ class DriveRegistration(BaseModel):
 
 
 class LabelRequest(BaseModel):
-    """``model_path`` names another model file than the configured one."""
+    """``model`` is what a Model is ``named`` by, or a file on the server's disk; without it, the default is taken."""
 
-    model_path: str | None = None
+    model: str | None = None
 
 
 class Model(BaseModel):
-    """A model file that the server was told about."""
+    """A detector that drives can be labelled with."""
 
-    path: str
     name: str
-    default: bool
+    named: str = Field(description="What a label request calls it.")
+    origin: Origin
+    default: bool = Field(description="Whether it is taken when none is named.")
+    notice: str | None = Field(description="What a person must know before they use it on a drive not simulated.")

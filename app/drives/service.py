@@ -13,21 +13,34 @@ from app.jobs import repository as jobs_repository
 from app.jobs import service as jobs_service
 from app.jobs.models import JobRow
 from app.jobs.schemas import Job, JobState
+from app.model_choice import chosen_detector, offered_detectors
 from app.settings import Settings
 from app.tracks import repository as tracks_repository
 from app.tracks.repository import LabellingCounts
 from labeler.drive import Drive as RecordedDrive
-from labeler.drive import DriveError, Poses, open_drive
+from labeler.drive import DriveError, Poses, is_simulated, open_drive
 from labeler.geometry.se3 import yaw_of
+from labeler.models import Choice, ModelStoreError, Origin, choose_detector, notice_of
 
 NS_PER_MS = 1_000_000
 
 
 def list_models(settings: Settings) -> list[Model]:
-    """The configured model, if there is one."""
-    if settings.model is None:
-        return []
-    return [Model(path=str(settings.model), name=settings.model.stem, default=True)]
+    """The detectors that a drive can be labelled with, the one that is taken when none is named among them."""
+    try:
+        chosen, offered = chosen_detector(settings), offered_detectors(settings)
+    except ModelStoreError as error:
+        raise UnusableModel(str(error)) from error
+    return [
+        Model(
+            name=choice.name,
+            named=_named(choice),
+            origin=choice.origin,
+            default=choice == chosen,
+            notice=choice.notice(simulated=False),
+        )
+        for choice in offered
+    ]
 
 
 def list_drives(session: Session) -> list[Drive]:
@@ -39,8 +52,10 @@ def get_drive(session: Session, drive_id: int) -> DriveDetail:
     row = require_drive(session, drive_id)
     cameras = repository.cameras_of(session, [drive_id])[drive_id]
     labelling = tracks_repository.current_labelling(session, drive_id)
+    drive = drive_of(session, row)
+    notices = [drive.notice] if drive.notice else []
     return DriveDetail(
-        **_to_drives(session, [row])[0].model_dump(),
+        **drive.model_dump(),
         cameras=[
             Camera(
                 name=camera.name,
@@ -51,7 +66,7 @@ def get_drive(session: Session, drive_id: int) -> DriveDetail:
             for camera in cameras
         ],
         frame_times_ms=[(time - row.start_ns) / NS_PER_MS for time in repository.frame_times_ns(session, drive_id)],
-        warnings=list(dict.fromkeys([*row.warnings, *(labelling.warnings if labelling else ())])),
+        warnings=list(dict.fromkeys([*notices, *row.warnings, *(labelling.warnings if labelling else ())])),
         class_names=labelling.class_names if labelling else [],
         revision=row.revision,
         summary=labelling.summary if labelling else None,
@@ -124,6 +139,7 @@ def add_drive(session: Session, recorded: RecordedDrive, *, path: str, scene: st
         duration_ns=end_ns - start_ns,
         has_lidar=recorded.has_lidar,
         has_poses=recorded.poses is not None,
+        is_simulated=is_simulated(recorded.root),
         warnings=list(recorded.warnings),
     )
     cameras = {
@@ -161,11 +177,21 @@ def add_drive(session: Session, recorded: RecordedDrive, *, path: str, scene: st
     return drive
 
 
-def queue_labelling(session: Session, settings: Settings, drive_id: int, model_path: str | None = None) -> Job:
-    """Queue labelling with the named model, or with the configured one."""
+def queue_labelling(session: Session, settings: Settings, drive_id: int, model: str | None = None) -> Job:
+    """Queue labelling with the model of that name or file, or with the one that the settings lead to."""
     require_drive(session, drive_id)
-    model = _model(settings, model_path)
-    return jobs_service.queue_label_job(session, drive_id, model_path=str(model))
+    return jobs_service.queue_label_job(session, drive_id, model_path=str(_detector(settings, model).path))
+
+
+def queue_if_suited(session: Session, settings: Settings, drive_id: int) -> None:
+    """Queue labelling where nobody asked for it: with a model that the settings name, or one that knows such drives."""
+    simulated = require_drive(session, drive_id).is_simulated
+    try:
+        detector = _detector(settings, None)
+    except UnusableModel:
+        return  # the page says why when somebody asks
+    if settings.model is not None or detector.notice(simulated=simulated) is None:
+        jobs_service.queue_label_job(session, drive_id, model_path=str(detector.path))
 
 
 def drive_of(session: Session, row: DriveRow) -> Drive:
@@ -182,19 +208,25 @@ def delete_drive(store: Store, settings: Settings, drive_id: int) -> None:
         shutil.rmtree(settings.drives_folder / _first_part(row.path), ignore_errors=True)
 
 
-def _model(settings: Settings, model_path: str | None) -> Path:
-    if model_path is None and settings.model is None:
-        raise UnusableModel("No model is configured. Start the server with --model FILE, or name a model file.")
-    path = Path(model_path) if model_path is not None else settings.model
-    assert path is not None
-    if path != settings.model and not settings.may_use_local_paths:
+def _detector(settings: Settings, named: str | None) -> Choice:
+    try:
+        choice = chosen_detector(settings) if named is None else choose_detector(named, settings.model_cache)
+        offered = offered_detectors(settings)
+    except ModelStoreError as error:
+        raise UnusableModel(str(error)) from error
+    if choice not in offered and not settings.may_use_local_paths:
         raise LocalPathsForbidden(
-            f"This server can be reached from other machines ({settings.host}), so only the models that it was started "
-            "with can be used."
+            f"This server can be reached from other machines ({settings.host}), so only models that it offers can be "
+            "used."
         )
-    if not path.is_file():
-        raise UnusableModel(f"There is no model file {path}.")
-    return path.absolute()
+    if not choice.path.is_file():
+        raise UnusableModel(f"There is no model file {choice.path}.")
+    return choice
+
+
+def _named(choice: Choice) -> str:
+    """What a request calls that model."""
+    return str(choice.path) if choice.origin is Origin.FILE else choice.name
 
 
 def _to_drives(session: Session, rows: Sequence[DriveRow]) -> list[Drive]:
@@ -216,6 +248,9 @@ def _to_drive(row: DriveRow, cameras: Sequence[CameraRow], counts: LabellingCoun
         duration_ms=row.duration_ns / NS_PER_MS,
         has_lidar=row.has_lidar,
         has_poses=row.has_poses,
+        is_simulated=row.is_simulated,
+        model=counts.model_name if counts else None,
+        notice=notice_of(counts.model_name, simulated=row.is_simulated) if counts else None,
         identity_count=counts.identities if counts else 0,
         track_count=counts.tracks if counts else 0,
         observation_count=counts.observations if counts else 0,

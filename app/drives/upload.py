@@ -32,7 +32,7 @@ _LOCK = ".lock"
 async def receive_drive(
     body: AsyncIterator[bytes], headers: Headers, filename: str, *, store: Store, settings: Settings
 ) -> Drive:
-    """Take in a drive, and queue labelling where a model is configured.
+    """Take in a drive, and queue labelling where a model suits it.
 
     Raises UploadTooLarge, DiskFull, BadArchive, UploadIncomplete, or UnusableDrive."""
     _require_size(int(headers.get("content-length") or 0), settings)
@@ -97,8 +97,7 @@ def _take_in(archive: Path, name: str, store: Store, settings: Settings) -> Driv
         path = recorded.root.relative_to(settings.workspace.resolve())
         with store.write() as session:
             row = service.add_drive(session, recorded, path=str(path), scene=None, uploaded=True)
-            if settings.model is not None and settings.model.is_file():
-                service.queue_labelling(session, settings, row.id)
+            service.queue_if_suited(session, settings, row.id)
             return service.drive_of(session, row)
 
 

@@ -1,6 +1,7 @@
 """Table of jobs."""
 
 from datetime import datetime
+from pathlib import Path
 
 from sqlalchemy import ForeignKey, Index
 from sqlalchemy.orm import Mapped, mapped_column
@@ -37,3 +38,8 @@ class JobRow(Base):
     created_at: Mapped[datetime] = mapped_column(default=now)
     started_at: Mapped[datetime | None]
     finished_at: Mapped[datetime | None]
+
+    @property
+    def model(self) -> str | None:
+        """Name of the model that a label job uses."""
+        return Path(self.model_path).stem if self.model_path else None

@@ -24,7 +24,7 @@ class JobState(StrEnum):
 
 
 class Job(BaseModel):
-    """A piece of long work; ``done`` of ``total`` units of its current stage."""
+    """A piece of long work; ``done`` of ``total`` units of its current stage. ``model`` is the one that labels."""
 
     model_config = ConfigDict(from_attributes=True)
 
@@ -32,6 +32,7 @@ class Job(BaseModel):
     drive_id: int
     kind: JobKind
     state: JobState
+    model: str | None
     stage: str | None
     done: int
     total: int

@@ -4,6 +4,7 @@ from pathlib import Path
 
 from app.drives.service import open_stored_drive, require_drive
 from app.jobs.worker import JobContext
+from app.model_choice import segmentation_file
 from app.tracks.importing import import_labelled_drive
 from labeler.errors import HindsightError
 from labeler.pipeline.run import label_drive
@@ -17,7 +18,14 @@ def run_label_job(context: JobContext) -> str | None:
     with context.store.read() as session:
         row = require_drive(session, context.drive_id)
     drive = open_stored_drive(context.settings, row)
-    labelled = label_drive(drive, model=model, workspace=context.settings.workspace, progress=context.progress)
+    segmentation = segmentation_file(context.settings, drive.root)
+    labelled = label_drive(
+        drive,
+        model=model,
+        segmentation=segmentation,
+        workspace=context.settings.workspace,
+        progress=context.progress,
+    )
     changed = import_labelled_drive(
         context.store, context.drive_id, labelled, model_name=model.stem, progress=context.progress
     )

@@ -18,12 +18,13 @@ PAIRS_PER_QUERY = 400
 
 
 class LabellingCounts(NamedTuple):
-    """How much a labelling holds."""
+    """How much a labelling holds, and the model that made it."""
 
     tracks: int
     identities: int
     observations: int
     proposed_merges: int
+    model_name: str
 
 
 class LabelledObservation(NamedTuple):
@@ -123,8 +124,9 @@ def counts_of_drives(session: Session, drive_ids: Sequence[int]) -> dict[int, La
         count(IdentityRow),
         LabellingRow.observation_count,
         count(MergeRow, MergeRow.state == "proposed"),
+        LabellingRow.model_name,
     ).where(LabellingRow.drive_id.in_(drive_ids), LabellingRow.current)
-    return {drive_id: LabellingCounts(*counts) for drive_id, *counts in session.execute(query)}
+    return {row[0]: LabellingCounts(*row[1:]) for row in session.execute(query)}
 
 
 def insert_labelling(session: Session, labelling: LabellingRow) -> int:

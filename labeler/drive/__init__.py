@@ -3,6 +3,7 @@
 from labeler.drive.errors import DriveError, DriveFileError
 from labeler.drive.images import read_image
 from labeler.drive.registry import open_drive
+from labeler.drive.simulated import SIMULATION_FILE, is_simulated
 from labeler.drive.types import (
     Calibration,
     Camera,
@@ -20,6 +21,7 @@ from labeler.drive.types import (
 )
 
 __all__ = [
+    "SIMULATION_FILE",
     "Calibration",
     "Camera",
     "Drive",
@@ -35,6 +37,7 @@ __all__ = [
     "TruthBoxes2D",
     "TruthBoxes3D",
     "TruthReader",
+    "is_simulated",
     "open_drive",
     "read_image",
 ]

@@ -21,6 +21,7 @@ import pyarrow as pa
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from labeler.drive import SIMULATION_FILE
 from labeler.geometry.se3 import se3
 from labeler.simulation.errors import SimulationError
 from labeler.simulation.lidar import Scan
@@ -29,7 +30,6 @@ from labeler.simulation.truth import Target, TrueBox, points_inside
 
 _TABLES = ("annotations", "annotations_2d", "city_SE3_egovehicle")
 """A moment's tables in the order in which they are written; the last one marks the moment as whole."""
-_ABOUT = "simulation.json"
 _POINT_MARGIN_M = 0.1
 ARGOVERSE2_CATEGORY = {
     "car": "REGULAR_VEHICLE",
@@ -53,7 +53,7 @@ class SimulatedLog:
         require_free(folder)
         text = json.dumps(about, indent=2) + "\n"
         with self._writing():
-            known = self._partial / _ABOUT
+            known = self._partial / SIMULATION_FILE
             if self._partial.exists() and not (known.exists() and known.read_text("utf-8") == text):
                 shutil.rmtree(self._partial)
             self._parts.mkdir(parents=True, exist_ok=True)

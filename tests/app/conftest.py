@@ -20,7 +20,9 @@ from tests.app.made_labels import make_labelled_drive, write_three_camera_drive
 
 @pytest.fixture
 def settings(tmp_path: Path) -> Settings:
-    return Settings(workspace=tmp_path / "workspace", min_free_bytes=0, job_poll_seconds=0.01)
+    return Settings(
+        workspace=tmp_path / "workspace", models=tmp_path / "models", min_free_bytes=0, job_poll_seconds=0.01
+    )
 
 
 @pytest.fixture

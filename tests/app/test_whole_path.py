@@ -59,7 +59,7 @@ def _accept_reject_undo(page: Page) -> None:
 
 
 def test_a_made_drive(settings: Settings, store: Store, made_drive: Path, made_model: Path) -> None:
-    with_model = settings.model_copy(update={"model": made_model})
+    with_model = settings.model_copy(update={"model": str(made_model)})
     worker = Worker(store, with_model, HANDLERS)
 
     def work() -> None:
@@ -84,7 +84,7 @@ def test_a_made_drive(settings: Settings, store: Store, made_drive: Path, made_m
 
 @pytest.mark.real_drive
 def test_a_real_drive(settings: Settings, store: Store, tri_scene_01: Path, yolox_nano_dynamic: Path) -> None:
-    with_model = settings.model_copy(update={"model": yolox_nano_dynamic})
+    with_model = settings.model_copy(update={"model": str(yolox_nano_dynamic)})
     worker = Worker(store, with_model, HANDLERS)
 
     def work() -> None:

@@ -16,6 +16,11 @@ ANSWER_SECONDS = 60.0
 REPOSITORY = Path(__file__).resolve().parents[2]
 
 
+def models_of(workspace: Path) -> Path:
+    """The folder of models that a server on this workspace uses."""
+    return workspace / "models"
+
+
 @contextmanager
 def serving(workspace: Path, *arguments: str) -> Iterator[str]:
     """``hindsight serve`` on a free port while the block runs; gives its address."""
@@ -23,7 +28,7 @@ def serving(workspace: Path, *arguments: str) -> Iterator[str]:
     process = subprocess.Popen(
         [sys.executable, "-m", "app", "serve", "--port", "0", "--workspace", str(workspace), *arguments],
         cwd=REPOSITORY,
-        env=environment | {"PYTHONUNBUFFERED": "1"},
+        env=environment | {"PYTHONUNBUFFERED": "1", "HINDSIGHT_MODELS": str(models_of(workspace))},
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,

@@ -32,7 +32,7 @@ export const drivesQuery = queryOptions({
 export const modelsQuery = queryOptions({
   queryKey: ["models"],
   queryFn: ({ signal }) => unwrap(api.GET("/api/models", { signal })),
-  staleTime: 300_000,
+  staleTime: 15_000, // a model may be pulled meanwhile
 });
 
 const at = (id: number) => ({ params: { path: { drive_id: id } } });

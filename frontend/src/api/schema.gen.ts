@@ -33,7 +33,7 @@ export interface paths {
         };
         /**
          * List Models
-         * @description The model files that the server was told about.
+         * @description The detectors that a drive can be labelled with: pulled, shipped and added ones, and that of the settings.
          */
         get: operations["list_models"];
         put?: never;
@@ -79,7 +79,7 @@ export interface paths {
         put?: never;
         /**
          * Upload Drive
-         * @description Take a drive as a zip or tar archive, and queue labelling where a model is configured.
+         * @description Take a drive as a zip or tar archive, and queue labelling where a model suits it.
          */
         post: operations["upload_drive"];
         delete?: never;
@@ -683,6 +683,18 @@ export interface components {
             has_lidar: boolean;
             /** Has Poses */
             has_poses: boolean;
+            /** Is Simulated */
+            is_simulated: boolean;
+            /**
+             * Model
+             * @description Name of the model that made its labels.
+             */
+            model: string | null;
+            /**
+             * Notice
+             * @description What a person must know before they trust that model on this drive.
+             */
+            notice: string | null;
             /** Identity Count */
             identity_count: number;
             /** Track Count */
@@ -724,6 +736,18 @@ export interface components {
             has_lidar: boolean;
             /** Has Poses */
             has_poses: boolean;
+            /** Is Simulated */
+            is_simulated: boolean;
+            /**
+             * Model
+             * @description Name of the model that made its labels.
+             */
+            model: string | null;
+            /**
+             * Notice
+             * @description What a person must know before they trust that model on this drive.
+             */
+            notice: string | null;
             /** Identity Count */
             identity_count: number;
             /** Track Count */
@@ -969,7 +993,7 @@ export interface components {
         };
         /**
          * Job
-         * @description A piece of long work; ``done`` of ``total`` units of its current stage.
+         * @description A piece of long work; ``done`` of ``total`` units of its current stage. ``model`` is the one that labels.
          */
         Job: {
             /** Id */
@@ -978,6 +1002,8 @@ export interface components {
             drive_id: number;
             kind: components["schemas"]["JobKind"];
             state: components["schemas"]["JobState"];
+            /** Model */
+            model: string | null;
             /** Stage */
             stage: string | null;
             /** Done */
@@ -1081,11 +1107,11 @@ export interface components {
         };
         /**
          * LabelRequest
-         * @description ``model_path`` names another model file than the configured one.
+         * @description ``model`` is what a Model is ``named`` by, or a file on the server's disk; without it, the default is taken.
          */
         LabelRequest: {
-            /** Model Path */
-            model_path?: string | null;
+            /** Model */
+            model?: string | null;
         };
         /**
          * LabelSource
@@ -1270,15 +1296,27 @@ export interface components {
         Method: "without-tracking" | "single-camera" | "multi-camera";
         /**
          * Model
-         * @description A model file that the server was told about.
+         * @description A detector that drives can be labelled with.
          */
         Model: {
-            /** Path */
-            path: string;
             /** Name */
             name: string;
-            /** Default */
+            /**
+             * Named
+             * @description What a label request calls it.
+             */
+            named: string;
+            origin: components["schemas"]["Origin"];
+            /**
+             * Default
+             * @description Whether it is taken when none is named.
+             */
             default: boolean;
+            /**
+             * Notice
+             * @description What a person must know before they use it on a drive not simulated.
+             */
+            notice: string | null;
         };
         /**
          * Moment
@@ -1334,6 +1372,12 @@ export interface components {
             /** Frames */
             frames: components["schemas"]["FrameObservations"][];
         };
+        /**
+         * Origin
+         * @description Where a model comes from.
+         * @enum {string}
+         */
+        Origin: "official" | "added" | "shipped" | "file";
         /**
          * PathFrame
          * @description What positions are relative to: the ground, or the moving car.

@@ -15,6 +15,7 @@ export type MergeLooks = Schemas["MergeLooks"];
 export type Look = Schemas["Look"];
 export type Way = Schemas["Way"];
 export type MergeChange = Schemas["MergeChange"];
+export type Model = Schemas["Model"];
 export type Job = Schemas["Job"];
 export type Export = Schemas["Export"];
 export type LabelHistogram = Schemas["LabelHistogram"];

@@ -1,5 +1,5 @@
 import { ActionIcon, Alert, Button, Group, Menu, Modal, Stack, Text } from "@mantine/core";
-import { IconChartLine, IconDots, IconTrash } from "@tabler/icons-react";
+import { IconAlertTriangle, IconChartLine, IconDots, IconTrash } from "@tabler/icons-react";
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
 import { Link } from "wouter";
@@ -12,10 +12,16 @@ import { text } from "../strings";
 import classes from "./DriveCard.module.css";
 import { JobProgress } from "./JobProgress";
 import { LabelButton } from "./LabelButton";
+import { ModelItems } from "./ModelItems";
+import { ModelPath } from "./ModelPath";
+import { useLabelling, useModelOf } from "./useLabelling";
 
 /** One drive of the list: what it looks like, how far it is, and the next thing to do with it. */
 export function DriveCard({ drive }: { drive: Drive }) {
   const [removing, setRemoving] = useState(false);
+  const [asking, setAsking] = useState(false);
+  const labelling = useLabelling(drive);
+  const model = useModelOf(drive);
   const href = `/drives/${drive.id}`;
   return (
     <li className={classes.card}>
@@ -32,11 +38,16 @@ export function DriveCard({ drive }: { drive: Drive }) {
           </span>
         </div>
         <Text size="sm" c="var(--muted)">
-          {facts(drive).join(" · ")}
+          {[...facts(drive), ...(model.name ? [text.drives.withModel(drive.state, model.name)] : [])].join(" · ")}
         </Text>
         {drive.state === "ready" && (
           <Text size="sm">
             {text.drives.identities(drive.identity_count)} · <b>{text.drives.proposals(drive.proposed_merge_count)}</b>
+          </Text>
+        )}
+        {model.notice && (
+          <Text size="xs" c="var(--muted)" className={classes.notice}>
+            <IconAlertTriangle size={14} /> {model.notice}
           </Text>
         )}
         {drive.error && (
@@ -70,12 +81,25 @@ export function DriveCard({ drive }: { drive: Drive }) {
                 {text.evaluation.name}
               </Menu.Item>
             )}
+            {drive.state === "ready" && (
+              <>
+                <Menu.Divider />
+                <Menu.Label>{text.drives.labelAgainWith}</Menu.Label>
+                <ModelItems
+                  drive={drive}
+                  onChoose={(named) => labelling.mutate(named, { onError: () => setAsking(true) })}
+                  onNamePath={() => setAsking(true)}
+                />
+                <Menu.Divider />
+              </>
+            )}
             <Menu.Item c="var(--danger)" leftSection={<IconTrash size={15} />} onClick={() => setRemoving(true)}>
               {text.drives.remove}
             </Menu.Item>
           </Menu.Dropdown>
         </Menu>
       </Group>
+      <ModelPath drive={drive} labelling={labelling} opened={asking} onClose={() => setAsking(false)} />
       <Remove drive={drive} opened={removing} onClose={() => setRemoving(false)} />
     </li>
   );

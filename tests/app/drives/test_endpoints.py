@@ -5,10 +5,13 @@ from pathlib import Path
 
 import pytest
 
+from app.db.session import Store
 from app.main import create_app
 from app.settings import Settings
+from app.tracks.importing import import_labelled_drive
 from tests.app.browser import Browser, browser_on
 from tests.app.conftest import Page
+from tests.app.made_labels import make_labelled_drive
 
 
 def test_registering_a_folder(client: Browser, three_camera_drive: Path) -> None:
@@ -74,15 +77,59 @@ def test_a_server_that_others_reach_takes_no_paths_unless_told(
 
 
 def test_models(settings: Settings, client: Browser, made_model: Path) -> None:
-    assert client.get("/api/models").json() == []
-    with browser_on(create_app(settings.model_copy(update={"model": made_model}))) as other:
-        assert other.get("/api/models").json() == [{"path": str(made_model), "name": "made", "default": True}]
+    (shipped,) = client.get("/api/models").json()
+    assert (shipped["name"], shipped["named"]) == ("sim-yolox-nano", "sim-yolox-nano")
+    assert (shipped["origin"], shipped["default"]) == ("shipped", True)
+    assert "hindsight models pull yolox-x" in shipped["notice"]
+    settings.model_cache.add(made_model, "mine")
+    assert [(model["name"], model["default"]) for model in client.get("/api/models").json()] == [
+        ("sim-yolox-nano", True),
+        ("mine", False),
+    ]
+
+
+def test_the_model_of_the_settings_is_offered_first(settings: Settings, made_model: Path) -> None:
+    with browser_on(create_app(settings.model_copy(update={"model": str(made_model)}))) as client:
+        first, shipped = client.get("/api/models").json()
+    assert first == {"name": "made", "named": str(made_model), "origin": "file", "default": True, "notice": None}
+    assert (shipped["name"], shipped["default"]) == ("sim-yolox-nano", False)
+
+
+def test_a_setting_that_names_no_model_says_so(settings: Settings, drive_id: int) -> None:
+    with browser_on(create_app(settings.model_copy(update={"model": "yolox-s"}))) as client:
+        for answer in (client.get("/api/models"), client.post(f"/api/drives/{drive_id}/label", json={})):
+            assert (answer.status_code, answer.json()["detail"]["code"]) == (422, "unusable_model")
+            assert "hindsight models pull yolox-s" in answer.json()["detail"]["message"]
+
+
+def test_a_drive_says_which_model_made_its_labels(page: Page) -> None:
+    drive = page.client.get(f"/api/drives/{page.drive_id}").json()
+    assert (drive["model"], drive["notice"], drive["is_simulated"]) == ("made", None, False)
+
+
+def test_labels_of_the_shipped_model_come_with_a_notice(client: Browser, store: Store, drive_id: int) -> None:
+    import_labelled_drive(store, drive_id, make_labelled_drive(), model_name="sim-yolox-nano")
+    drive = client.get(f"/api/drives/{drive_id}").json()
+    assert drive["notice"] == drive["warnings"][0]
+    assert "trained on simulated drives" in drive["notice"]
+
+
+def test_simulated_drives_are_known_and_need_no_notice(
+    client: Browser, store: Store, three_camera_drive: Path, tmp_path: Path
+) -> None:
+    folder = shutil.copytree(three_camera_drive, tmp_path / "simulated")
+    (folder / "simulation.json").write_text("{}")
+    drive_id = client.post("/api/drives", json={"path": str(folder)}).json()["id"]
+    import_labelled_drive(store, drive_id, make_labelled_drive(), model_name="sim-yolox-nano")
+    drive = client.get(f"/api/drives/{drive_id}").json()
+    assert (drive["is_simulated"], drive["notice"]) == (True, None)
 
 
 def test_labelling_is_queued_once(client: Browser, drive_id: int, made_model: Path) -> None:
-    request = {"model_path": str(made_model)}
+    request = {"model": str(made_model)}
     first = client.post(f"/api/drives/{drive_id}/label", json=request)
     assert (first.status_code, first.json()["state"], first.json()["kind"]) == (202, "queued", "label")
+    assert first.json()["model"] == "made"
     assert client.post(f"/api/drives/{drive_id}/label", json=request).json() == first.json()
     assert client.get(f"/api/drives/{drive_id}").json()["state"] == "queued"
     client.post(f"/api/jobs/{first.json()['id']}/cancel")
@@ -91,12 +138,31 @@ def test_labelling_is_queued_once(client: Browser, drive_id: int, made_model: Pa
 
 @pytest.mark.parametrize(
     ("request_body", "message"),
-    [({}, "No model is configured"), ({"model_path": "/no/model.onnx"}, "no model file /no/model.onnx")],
+    [
+        ({"model": "/no/model.onnx"}, "no model file /no/model.onnx"),
+        ({"model": "yolox-x"}, "hindsight models pull yolox-x"),
+        ({"model": "yolo"}, "There is no detection model yolo"),
+    ],
 )
-def test_labelling_needs_a_model(client: Browser, drive_id: int, request_body: dict[str, str], message: str) -> None:
+def test_labelling_needs_a_model_that_is_there(
+    client: Browser, drive_id: int, request_body: dict[str, str], message: str
+) -> None:
     answer = client.post(f"/api/drives/{drive_id}/label", json=request_body)
     assert (answer.status_code, answer.json()["detail"]["code"]) == (422, "unusable_model")
     assert message in answer.json()["detail"]["message"]
+
+
+@pytest.mark.parametrize(("allow", "status"), [(False, 403), (True, 202)])
+def test_a_server_that_others_reach_takes_no_files_unless_told(
+    settings: Settings, drive_id: int, made_model: Path, allow: bool, status: int
+) -> None:
+    settings.model_cache.add(made_model, "mine")
+    public = settings.model_copy(update={"host": "0.0.0.0", "allow_local_paths": allow})
+    with browser_on(create_app(public)) as client:
+        answer = client.post(f"/api/drives/{drive_id}/label", json={"model": str(made_model)})
+        assert answer.status_code == status
+        by_name = client.post(f"/api/drives/{drive_id}/label", json={"model": "mine"})
+        assert by_name.status_code == 202  # one that the server offers is always allowed
 
 
 def test_a_drive_whose_folder_has_gone_says_so(client: Browser, three_camera_drive: Path, tmp_path: Path) -> None:

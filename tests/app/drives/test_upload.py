@@ -55,7 +55,7 @@ def test_the_same_archive_twice_is_two_drives(client: Browser, settings: Setting
 
 
 def test_labelling_is_queued_where_a_model_is_configured(settings: Settings, archive: Path, made_model: Path) -> None:
-    with browser_on(create_app(settings.model_copy(update={"model": made_model}))) as client:
+    with browser_on(create_app(settings.model_copy(update={"model": str(made_model)}))) as client:
         drive = _upload(client, archive.read_bytes()).json()
     assert (drive["state"], drive["job"]["kind"], drive["job"]["state"]) == ("queued", "label", "queued")
 
