@@ -27,6 +27,9 @@ def simulate(
     quality: Annotated[int, typer.Option(min=1, max=100, help="JPEG quality of the images.")] = 90,
     lidar_channels: Annotated[int, typer.Option(min=32, max=255, help="Beams of the LiDAR.")] = 64,
     lidar_columns: Annotated[int, typer.Option(min=90, max=4096, help="Readings of each beam in a turn.")] = 1440,
+    semantic: Annotated[
+        bool, typer.Option("--semantic", help="Write the class of each pixel beside each image, for training.")
+    ] = False,
 ) -> None:
     """Record a simulated drive: four cameras, LiDAR, and the truth. Needs the extra `simulation`."""
     config = SimulationConfig(
@@ -42,6 +45,7 @@ def simulate(
         jpeg_quality=quality,
         lidar_channels=lidar_channels,
         lidar_columns=lidar_columns,
+        semantic=semantic,
     )
     with TerminalProgress() as progress:
         simulate_drive(out, config, progress)

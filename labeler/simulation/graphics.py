@@ -16,7 +16,7 @@ from labeler.simulation.meshes import Mesh
 
 _VERTEX_INPUTS = (
     ("in_position", 3), ("in_normal", 3), ("in_uv", 2), ("in_layer", 1), ("in_color", 3), ("in_surface", 4),
-    ("in_shading", 1),
+    ("in_shading", 1), ("in_semantic", 1),
 )  # fmt: skip
 _INSTANCE_INPUTS = (("in_row0", 4), ("in_row1", 4), ("in_row2", 4), ("in_paint_id", 4))
 INSTANCE_FLOATS = 16

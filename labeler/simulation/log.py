@@ -68,10 +68,14 @@ class SimulatedLog:
         encoded, data = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, self._jpeg_quality])
         if not encoded:
             raise SimulationError(f"The image of camera {camera} could not be encoded as JPEG.")
-        with self._writing():
-            folder = self._partial / "sensors" / "cameras" / camera
-            folder.mkdir(parents=True, exist_ok=True)
-            (folder / f"{timestamp_ns}.jpg").write_bytes(data.tobytes())
+        self._write_file(self._partial / "sensors" / "cameras" / camera / f"{timestamp_ns}.jpg", data.tobytes())
+
+    def write_semantic(self, camera: str, timestamp_ns: int, semantic: NDArray[np.uint8]) -> None:
+        """An (H, W) image of a ``Semantic`` a pixel, as PNG."""
+        encoded, data = cv2.imencode(".png", semantic)
+        if not encoded:
+            raise SimulationError(f"The classes of camera {camera} could not be encoded as PNG.")
+        self._write_file(self._partial / "semantic" / camera / f"{timestamp_ns}.png", data.tobytes())
 
     def write_sweep(self, timestamp_ns: int, scan: Scan) -> None:
         xyz_m = scan.xyz_m.astype(np.float16)
@@ -143,6 +147,11 @@ class SimulatedLog:
 
     def _part(self, name: str, timestamp_ns: int) -> Path:
         return self._parts / f"{timestamp_ns}.{name}.feather"
+
+    def _write_file(self, file: Path, content: bytes) -> None:
+        with self._writing():
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_bytes(content)
 
     def _write_table(self, file: Path, table: pa.Table) -> None:
         temporary = file.with_name(f".{file.name}.tmp")

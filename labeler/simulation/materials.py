@@ -38,6 +38,28 @@ REFLECTIVITY: dict[Material, float] = {
 materials, not measurements."""
 
 
+class Semantic(IntEnum):
+    """What a pixel shows: the classes of semantic segmentation."""
+
+    OTHER = 0
+    ROAD = 1
+    BUILDING = 2
+    VEGETATION = 3
+    VEHICLE = 4
+
+
+SEMANTIC_OF: dict[Material, Semantic] = {
+    Material.ASPHALT: Semantic.ROAD,
+    Material.MARKING: Semantic.ROAD,
+    Material.GRASS: Semantic.VEGETATION,
+    Material.WALL: Semantic.BUILDING,
+    Material.FOLIAGE: Semantic.VEGETATION,
+    Material.WOOD: Semantic.VEGETATION,
+}
+"""What is made of a material, where its surface does not say otherwise; all that is not named is other. What belongs
+to a vehicle is vehicle, whatever it is made of."""
+
+
 class Shading(IntEnum):
     """How the renderer colours a vertex's surface."""
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from labeler.simulation.materials import Material, Shading
+from labeler.simulation.materials import SEMANTIC_OF, Material, Semantic, Shading
 
 VERTEX = np.dtype(
     [
@@ -21,16 +21,17 @@ VERTEX = np.dtype(
         ("color", "f4", 3),
         ("surface", "f4", 4),
         ("shading", "f4"),
+        ("semantic", "f4"),
     ]
 )
 """One vertex as the graphics card gets it. ``layer`` counts textures (-1: none), ``color`` is linear RGB, ``surface``
-the shares of paint, metal, roughness and glass, ``shading`` a ``Shading``."""
+the shares of paint, metal, roughness and glass, ``shading`` a ``Shading``, ``semantic`` a ``Semantic``."""
 
 
 @dataclass(frozen=True)
 class Surface:
     """How a part looks and what it is made of. ``color`` is linear RGB from 0 to 1; ``paint`` the share by which the
-    instance's paint tints it."""
+    instance's paint tints it. ``semantic`` is what its pixels show, where the material does not tell."""
 
     color: tuple[float, float, float]
     material: Material = Material.PLASTIC
@@ -40,6 +41,7 @@ class Surface:
     glass: float = 0.0
     layer: int = -1
     shading: Shading = Shading.PLAIN
+    semantic: Semantic | None = None
 
 
 @dataclass(frozen=True)
@@ -98,6 +100,8 @@ def build_mesh(
     vertices["color"] = surface.color
     vertices["surface"] = (surface.paint, surface.metal, surface.rough, surface.glass)
     vertices["shading"] = surface.shading
+    of_material = SEMANTIC_OF.get(surface.material, Semantic.OTHER)
+    vertices["semantic"] = of_material if surface.semantic is None else surface.semantic
     triangles = np.asarray(faces, dtype=np.int32).reshape(-1, 3)
     return Mesh(vertices, triangles, np.full(len(triangles), surface.material, dtype=np.uint8))
 

@@ -64,7 +64,7 @@ class SimulationConfig:
     ``vehicles`` drive, the ego car among them; ``parked_share`` of the parking slots are taken. ``rate_hz`` moments a
     second, each with four images of ``width_px`` by ``height_px`` and a LiDAR sweep of ``lidar_channels`` beams and
     ``lidar_columns`` readings a turn. ``town`` and ``light`` name kinds of town and of light; without a light, the seed
-    chooses one."""
+    chooses one. With ``semantic`` the class of each pixel is written beside each image."""
 
     seed: int
     frames: int
@@ -78,6 +78,7 @@ class SimulationConfig:
     jpeg_quality: int = 90
     lidar_channels: int = 64
     lidar_columns: int = 1800
+    semantic: bool = False
 
     def __post_init__(self) -> None:
         if not 0.5 <= self.rate_hz <= 50:
@@ -177,6 +178,8 @@ class _Recorder:
         boxes: dict[str, list[TrueBox]] = {}
         for view, rendering in zip(self.rig.views, renderings, strict=True):
             log.write_image(view.camera, timestamp_ns, _with_noise(rendering.image, rng))
+            if config.semantic:
+                log.write_semantic(view.camera, timestamp_ns, rendering.semantic)
             boxes[view.camera] = boxes_in_image(view, rendering.ids, targets)
         log.write_sweep(timestamp_ns, swept)
         log.finish_moment(

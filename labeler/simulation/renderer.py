@@ -78,11 +78,12 @@ class VehicleInstance:
 
 @dataclass(frozen=True, eq=False)
 class Rendering:
-    """One view: ``image`` (H, W, 3) uint8 BGR; ``ids`` (H, W) int32, the vehicle's id or 0; ``depth_m`` (H, W) float32
-    along the optical axis, infinite where the sky is."""
+    """One view: ``image`` (H, W, 3) uint8 BGR; ``ids`` (H, W) int32, the vehicle's id or 0; ``semantic`` (H, W) uint8, a
+    ``Semantic`` of each pixel; ``depth_m`` (H, W) float32 along the optical axis, infinite where the sky is."""
 
     image: NDArray[np.uint8]
     ids: NDArray[np.int32]
+    semantic: NDArray[np.uint8]
     depth_m: NDArray[np.float32]
 
 
@@ -185,8 +186,7 @@ class Renderer:
         statics = [s for s in self._statics if in_frustum(planes, s.center_m[None], s.radius_m)[0]]
         placed = [batch for group in (*vehicles, *self._props) for batch in _seen(group, planes, eye)]
         image = self._draw_colors(statics, placed, instances)
-        ids, depth_m = self._draw_ids(statics, placed)
-        return Rendering(image, ids, depth_m)
+        return Rendering(image, *self._draw_ids(statics, placed))
 
     def _draw_colors(
         self, statics: list[_Static], placed: list[tuple[Drawable, NDArray[np.float32]]],
@@ -222,7 +222,8 @@ class Renderer:
 
     def _draw_ids(
         self, statics: list[_Static], placed: list[tuple[Drawable, NDArray[np.float32]]]
-    ) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
+    ) -> tuple[NDArray[np.int32], NDArray[np.uint8], NDArray[np.float32]]:
+        """The ids, the semantic classes and the depth of a view."""
         self._context.depth_func = "<"
         self._id_canvas.use()
         self._id_canvas.clear(0.0, 0.0, 0.0, 0.0, depth=1.0)
@@ -231,9 +232,10 @@ class Renderer:
         for drawable, rows in placed:
             drawable.draw(self._programs["identity"], rows)
         width_px, height_px = self._size_px
-        ids = np.frombuffer(self._id_texture.read(alignment=1), dtype=np.uint32).reshape(height_px, width_px)
+        drawn = np.frombuffer(self._id_texture.read(alignment=1), dtype=np.uint32).reshape(height_px, width_px)[::-1]
         depth = np.frombuffer(self._depth_texture.read(alignment=1), dtype=np.float32).reshape(height_px, width_px)
-        return ids[::-1].astype(np.int32), np.ascontiguousarray(depth_of(depth)[::-1])
+        ids, semantic = (drawn & 0xFFFFFF).astype(np.int32), (drawn >> 24).astype(np.uint8)
+        return ids, semantic, np.ascontiguousarray(depth_of(depth)[::-1])
 
     def _draw_shadows(
         self, placed: list[_Placed], middle: NDArray[np.float64], lighting: Lighting

@@ -6,20 +6,23 @@ paint reflect (see B. Karis, "Real Shading in Unreal Engine 4", 2013, for the te
 tileable noise texture, since computed noise is slow without a graphics card.
 """
 
+from labeler.simulation.materials import Semantic
+
 VERTEX = """
 #version 330 core
 in vec3 in_position; in vec3 in_normal; in vec2 in_uv; in float in_layer; in vec3 in_color; in vec4 in_surface;
-in float in_shading;
+in float in_shading; in float in_semantic;
 in vec4 in_row0; in vec4 in_row1; in vec4 in_row2; in vec4 in_paint_id;
 uniform mat4 view_projection;
 out vec3 world; out vec3 normal; out vec2 uv; flat out float layer; out vec3 color; out vec4 surface;
-flat out float shading; flat out vec4 paint_id;
+flat out float shading; flat out float semantic; flat out vec4 paint_id;
 invariant gl_Position;
 void main() {
   vec4 p = vec4(in_position, 1.0);
   world = vec3(dot(in_row0, p), dot(in_row1, p), dot(in_row2, p));
   normal = vec3(dot(in_row0.xyz, in_normal), dot(in_row1.xyz, in_normal), dot(in_row2.xyz, in_normal));
-  uv = in_uv; layer = in_layer; color = in_color; surface = in_surface; shading = in_shading; paint_id = in_paint_id;
+  uv = in_uv; layer = in_layer; color = in_color; surface = in_surface; shading = in_shading; semantic = in_semantic;
+  paint_id = in_paint_id;
   gl_Position = view_projection * vec4(world, 1.0);
 }
 """
@@ -27,7 +30,7 @@ void main() {
 _VARYINGS = """
 #version 330 core
 in vec3 world; in vec3 normal; in vec2 uv; flat in float layer; in vec3 color; in vec4 surface;
-flat in float shading; flat in vec4 paint_id;
+flat in float shading; flat in float semantic; flat in vec4 paint_id;
 """
 
 _HOLES = """
@@ -39,7 +42,18 @@ void cut_holes() {
 
 DEPTH = _VARYINGS + _HOLES + "void main() { cut_holes(); }"
 
-IDENTITY = _VARYINGS + _HOLES + "out uint identity; void main() { cut_holes(); identity = uint(paint_id.w); }"
+IDENTITY = (
+    _VARYINGS
+    + _HOLES
+    + """
+out uint identity;
+void main() {
+  cut_holes();
+  identity = (uint(paint_id.w > 0.5 ? VEHICLE_CLASS : semantic) << 24) | uint(paint_id.w);
+}
+""".replace("VEHICLE_CLASS", f"{float(Semantic.VEHICLE)}")
+)
+"""The id in the lower 24 bits, the semantic class in the upper 8."""
 
 _SKY_FUNCTIONS = """
 uniform vec3 eye; uniform vec3 sun_direction; uniform vec3 sun; uniform vec3 zenith; uniform vec3 horizon;

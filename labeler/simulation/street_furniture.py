@@ -3,7 +3,7 @@
 from labeler.simulation.blocks import FurnitureKind
 from labeler.simulation.dimensions import KERB_HEIGHT_M, LAMP_SPACING_M
 from labeler.simulation.layout import Signal
-from labeler.simulation.materials import Material, Shading
+from labeler.simulation.materials import Material, Semantic, Shading
 from labeler.simulation.meshes import Mesh, Surface, box, cylinder, disc, join
 
 _POST = Surface((0.09, 0.095, 0.10), Material.METAL, rough=0.6)
@@ -67,7 +67,7 @@ def lamp_disc() -> Mesh:
 
 def furniture_mesh(kind: FurnitureKind) -> Mesh:
     """A small thing in its own frame, standing on z = 0."""
-    wood = Surface((0.24, 0.13, 0.06), Material.WOOD, rough=0.8)
+    wood = Surface((0.24, 0.13, 0.06), Material.WOOD, rough=0.8, semantic=Semantic.OTHER)
     green = Surface((0.03, 0.12, 0.07), Material.METAL, rough=0.6)
     red = Surface((0.45, 0.03, 0.02), Material.METAL, rough=0.5)
     grey = Surface((0.32, 0.34, 0.33), Material.METAL, rough=0.6)
