@@ -4,6 +4,7 @@ import errno
 import json
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 
@@ -62,6 +63,20 @@ def write_log(folder: Path) -> None:
     for timestamp_ns in TIMES_NS:
         write_moment(log, timestamp_ns, x_m=10.0)
     log.publish(TIMES_NS)
+
+
+def test_classes_of_pixels_lie_beside_the_sensors_and_are_not_taken_for_images(tmp_path: Path) -> None:
+    log = SimulatedLog(tmp_path / "drive", ABOUT, jpeg_quality=90)
+    log.write_calibration(RIG)
+    classes = np.arange(32 * 64, dtype=np.uint32).reshape(32, 64).astype(np.uint8) % 5
+    write_moment(log, TIMES_NS[0], x_m=10.0)
+    log.write_semantic("front", TIMES_NS[0], classes)
+    log.publish(TIMES_NS[:1])
+
+    file = tmp_path / "drive" / "semantic" / "front" / f"{TIMES_NS[0]}.png"
+    np.testing.assert_array_equal(cv2.imread(str(file), cv2.IMREAD_UNCHANGED), classes)
+    drive = open_drive(tmp_path / "drive")
+    assert (drive.warnings, len(drive.cameras), len(drive.frames)) == ((), 4, 1)
 
 
 def test_a_log_opens_as_a_drive_with_all_it_was_given(tmp_path: Path) -> None:

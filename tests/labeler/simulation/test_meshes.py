@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from labeler.simulation.materials import Material, Semantic
 from labeler.simulation.meshes import (
     VERTEX,
     Mesh,
@@ -78,6 +79,22 @@ def test_smooth_normals_of_a_flat_sheet() -> None:
     position = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], dtype=np.float64)
 
     np.testing.assert_allclose(smooth_normals(position, np.array([[0, 1, 2], [0, 2, 3]])), [[0, 0, 1]] * 4)
+
+
+@pytest.mark.parametrize(
+    ("surface", "expected"),
+    [
+        (Surface((1, 1, 1), Material.MARKING), Semantic.ROAD),
+        (Surface((1, 1, 1), Material.WALL), Semantic.BUILDING),
+        (Surface((1, 1, 1), Material.WOOD), Semantic.VEGETATION),  # a trunk
+        (Surface((1, 1, 1), Material.WOOD, semantic=Semantic.OTHER), Semantic.OTHER),  # a bench says so itself
+        (Surface((1, 1, 1), Material.METAL), Semantic.OTHER),  # a material that no class is named for
+    ],
+)
+def test_a_surface_shows_the_class_of_its_material_unless_it_says_otherwise(
+    surface: Surface, expected: Semantic
+) -> None:
+    assert set(box((0, 0, 0), (1, 1, 1), surface).vertices["semantic"].tolist()) == {expected}
 
 
 def test_a_mesh_checks_its_parts() -> None:

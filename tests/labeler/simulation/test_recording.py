@@ -5,6 +5,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+import cv2
 import numpy as np
 import pytest
 
@@ -15,6 +16,7 @@ from labeler.geometry.boxes_3d import corners_of
 from labeler.geometry.projection import project_points
 from labeler.simulation.errors import SimulationError
 from labeler.simulation.graphics import open_context
+from labeler.simulation.materials import Semantic
 from labeler.simulation.recording import SimulationConfig, simulate_drive
 
 for module, package in (("sumo", "eclipse-sumo"), ("embreex", "embreex"), ("moderngl", "moderngl")):
@@ -29,6 +31,7 @@ CONFIG = SimulationConfig(
     town="grid-small",
     lidar_channels=32,
     lidar_columns=720,
+    semantic=True,
 )
 
 
@@ -85,7 +88,7 @@ def test_the_same_seed_gives_the_same_bytes(recorded: Path, tmp_path: Path) -> N
     """Also when one of the two was interrupted."""
     simulate_drive(tmp_path / "again", CONFIG, Listener())
     files = sorted(path.relative_to(recorded) for path in recorded.rglob("*.*") if path.is_file())
-    assert len(files) == 2 * 5 + 6  # four images and a sweep a moment; two calibrations, poses, two truths, settings
+    assert len(files) == 2 * 9 + 6  # four images, their classes and a sweep a moment; two calibrations, poses, two truths, settings
     assert [file for file in files if (recorded / file).read_bytes() != (tmp_path / "again" / file).read_bytes()] == []
 
 
@@ -147,6 +150,25 @@ def test_visible_boxes_lie_in_whole_ones(truth: tuple[TruthBoxes2D, TruthBoxes3D
     off_px = np.abs(in_2d.visible_xyxy_px - in_2d.xyxy_px)[in_full_view]
     assert len(off_px) >= 4
     assert np.median(off_px) < 1
+
+
+def test_pixels_of_vehicles_are_as_many_as_the_truth_counts(
+    recorded: Path, drive: Drive, truth: tuple[TruthBoxes2D, TruthBoxes3D]
+) -> None:
+    """The class of each pixel and the visible pixels of each vehicle come from one and the same drawing."""
+    boxes, _ = truth
+    assert boxes.visible_pixels is not None
+    shown = 0
+    for frame in drive.frames:
+        for camera, file in frame.images.items():
+            classes = cv2.imread(str(recorded / "semantic" / camera / f"{file.timestamp_ns}.png"), cv2.IMREAD_UNCHANGED)
+            assert classes is not None
+            assert classes.shape == (120, 240)
+            of_image = (boxes.frame_index == frame.index) & (np.array(boxes.camera) == camera)
+            assert np.count_nonzero(classes == Semantic.VEHICLE) == boxes.visible_pixels[of_image].sum()
+            assert np.count_nonzero(classes == Semantic.ROAD) > 0.05 * classes.size
+            shown += int(of_image.sum())
+    assert shown > 10
 
 
 def test_points_lie_in_the_boxes_of_what_is_near(drive: Drive, truth: tuple[TruthBoxes2D, TruthBoxes3D]) -> None:

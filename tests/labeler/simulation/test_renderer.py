@@ -11,7 +11,7 @@ from labeler.simulation.errors import SimulationError
 from labeler.simulation.graphics import open_context
 from labeler.simulation.layout import TownLayout
 from labeler.simulation.lighting import lighting_of
-from labeler.simulation.materials import Material
+from labeler.simulation.materials import Material, Semantic
 from labeler.simulation.meshes import Surface, box
 from labeler.simulation.renderer import CameraView, Renderer, Rendering, VehicleInstance
 from labeler.simulation.street_furniture import lamp_places_m, signal_mesh
@@ -105,6 +105,16 @@ def test_depth_is_the_distance_along_the_optical_axis(renderer: Renderer) -> Non
     assert np.isinf(picture.depth_m[:20]).all()
 
 
+def test_each_pixel_has_the_class_of_what_it_shows(renderer: Renderer) -> None:
+    picture = shot(renderer, view_from(-100.0, -60.0, 1.8), at(7, -88.0, -60.0))
+
+    assert (picture.semantic.dtype, picture.semantic.shape) == (np.uint8, (HEIGHT_PX, WIDTH_PX))
+    # A crate's material is paint, which says nothing; it is a vehicle because it is drawn as one.
+    np.testing.assert_array_equal(picture.semantic == Semantic.VEHICLE, picture.ids == 7)
+    assert set(np.unique(picture.semantic[60:]).tolist()) == {Semantic.ROAD}  # the plain is of asphalt
+    assert set(np.unique(picture.semantic[:20]).tolist()) == {Semantic.OTHER}  # sky
+
+
 def test_the_nearer_of_two_hides_the_other(renderer: Renderer) -> None:
     view = view_from(-100.0, -60.0, 1.0)  # lower than the crates are high
 
@@ -121,6 +131,7 @@ def test_large_ids_survive(renderer: Renderer) -> None:
 
     assert picture.ids.max() == 16_777_215
     assert picture.ids.dtype == np.int32
+    assert set(np.unique(picture.semantic[picture.ids > 0]).tolist()) == {Semantic.VEHICLE}
 
 
 def test_the_same_view_twice_is_the_same_to_the_byte(renderer: Renderer) -> None:
