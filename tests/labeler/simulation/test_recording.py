@@ -88,7 +88,8 @@ def test_the_same_seed_gives_the_same_bytes(recorded: Path, tmp_path: Path) -> N
     """Also when one of the two was interrupted."""
     simulate_drive(tmp_path / "again", CONFIG, Listener())
     files = sorted(path.relative_to(recorded) for path in recorded.rglob("*.*") if path.is_file())
-    assert len(files) == 2 * 9 + 6  # four images, their classes and a sweep a moment; two calibrations, poses, two truths, settings
+    # Four images, their classes and a sweep a moment; two calibrations, poses, two truths, settings.
+    assert len(files) == 2 * 9 + 6
     assert [file for file in files if (recorded / file).read_bytes() != (tmp_path / "again" / file).read_bytes()] == []
 
 
