@@ -78,8 +78,8 @@ class VehicleInstance:
 
 @dataclass(frozen=True, eq=False)
 class Rendering:
-    """One view: ``image`` (H, W, 3) uint8 BGR; ``ids`` (H, W) int32, the vehicle's id or 0; ``semantic`` (H, W) uint8, a
-    ``Semantic`` of each pixel; ``depth_m`` (H, W) float32 along the optical axis, infinite where the sky is."""
+    """One view: ``image`` (H, W, 3) uint8 BGR; ``ids`` (H, W) int32, the vehicle's id or 0; ``semantic`` (H, W) uint8,
+    a ``Semantic`` of each pixel; ``depth_m`` (H, W) float32 along the optical axis, infinite where the sky is."""
 
     image: NDArray[np.uint8]
     ids: NDArray[np.int32]
