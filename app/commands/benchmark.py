@@ -80,23 +80,23 @@ def boxes(
     if as_json:
         typer.echo(json.dumps(asdict(report)))
         return
-    _say_boxes(report)
+    _print_boxes(report)
 
 
-def _say_boxes(report: BoxReport) -> None:
-    say(f"{'true objects in images':34}{'cases':>6}{'boxed':>7}{'off':>9}{'p90':>9}{'yaw':>8}{'IoU>=.5':>9}")
+def _print_boxes(report: BoxReport) -> None:
+    typer.echo(f"{'true objects in images':34}{'cases':>6}{'boxed':>7}{'off':>9}{'p90':>9}{'yaw':>8}{'IoU>=.5':>9}")
     for score in (report.overall, *report.groups):
-        say(
+        typer.echo(
             f"{score.group:34}{score.cases:6}{_share(score.boxed):>7}{_metres(score.median_error_m):>9}"
             f"{_metres(score.p90_error_m):>9}{_degrees(score.median_yaw_off_deg):>8}{_share(score.good):>9}"
         )
     agreement = report.agreement
-    say(
+    typer.echo(
         f"{agreement.pairs} times two cameras box one object: median {_metres(agreement.median_apart_m)} apart, "
         f"{_share(agreement.near)} within half a metre"
     )
-    say(f"bird's-eye AP@.5 within 50 m {_share(report.average_precision)}")
-    say(f"{report.cpu_ms_per_frame:.0f} ms of processor time a frame, over {report.frames} frames")
+    typer.echo(f"bird's-eye AP@.5 within 50 m {_share(report.average_precision)}")
+    typer.echo(f"{report.cpu_ms_per_frame:.0f} ms of processor time a frame, over {report.frames} frames")
 
 
 def _share(value: float | None) -> str:

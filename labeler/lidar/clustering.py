@@ -12,7 +12,7 @@ the others.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -63,19 +63,21 @@ class Clusters:
 
 
 def cluster_painted_points(
-    painted: PaintedPoints, detections: Detections, sizes_m: NDArray[np.float64], view: View, config: LidarConfig
+    painted: PaintedPoints,
+    around: NDArray[np.int32],
+    detections: Detections,
+    sizes_m: NDArray[np.float64],
+    view: View,
+    config: LidarConfig,
 ) -> Clusters:
     """The cluster of each detection's object; detections without one get none.
 
-    ``sizes_m`` (N, 3) are the usual sizes of the N detections. Ground points must have been removed from
-    ``painted``."""
-    around = _components(painted, config)
+    ``around`` (M,) is what :func:`components_of` says of the painted points, ``sizes_m`` (N, 3) are the usual sizes of
+    the N detections. Ground points must have been removed from ``painted``."""
     contained = _share_inside(painted, around) * _width_fit(painted, around, detections, view)
     inside = painted.score > 0
-    painted, contained = painted[inside], contained[inside]
-    component = _components(painted, config)
-    order = np.argsort(component, kind="stable")
-    painted, contained, component = painted[order], contained[order], component[order]
+    order = np.flatnonzero(inside)[np.argsort(around[inside], kind="stable")]
+    painted, contained, component = painted[order], contained[order], around[order]
     if not len(painted):
         return _gather(painted, {}, config)
     start = np.flatnonzero(np.diff(component, prepend=-1))
@@ -107,11 +109,17 @@ def _candidates(
     return [int(candidate) for candidate in (*nearest_first, *others)]
 
 
-def _components(painted: PaintedPoints, config: LidarConfig) -> NDArray[np.int32]:
-    """(M,) a number for each painted point, the same for points of one box that hang together seen from above."""
-    if not len(painted):
-        return np.zeros(0, np.int32)
-    return connected_parts(painted.xyz_m, painted.detection_index, config)
+def components_of(painted: Sequence[PaintedPoints], config: LidarConfig) -> list[NDArray[np.int32]]:
+    """For the painted points of each camera (M,) a number, from 0 in each camera, the same for points of one detection
+    that hang together seen from above."""
+    counts = np.array([len(part) for part in painted], np.intp)
+    if not counts.sum():
+        return [np.zeros(0, np.int32) for _ in painted]
+    most = 1 + max(int(part.detection_index.max(initial=0)) for part in painted)
+    owner = np.concatenate([part.detection_index + number * most for number, part in enumerate(painted)])
+    found = connected_parts(np.concatenate([part.xyz_m for part in painted]), owner.astype(np.int32), config)
+    of_cameras = np.split(found, np.cumsum(counts)[:-1])
+    return [part - part.min() if len(part) else part for part in of_cameras]
 
 
 def connected_parts(xyz_m: NDArray[np.float32], owner: NDArray[np.int32], config: LidarConfig) -> NDArray[np.int32]:

@@ -51,15 +51,33 @@ def grow_clusters(
     must be clear of the ground.
     """
     whole = {name: _rows_of_whole(camera, len(xyz_m)) for name, camera in cameras.items()}
-    grown: dict[str, CameraClusters] = {}
+    candidates: list[_Candidates] = []
     for name, camera in cameras.items():
         taken = np.zeros(len(xyz_m), np.bool_)
         for other, rows in whole.items():
             if other != name:
                 taken |= rows
         taken[camera.clusters.row] = True
-        grown[name] = replace(camera, clusters=_grown(camera, xyz_m, taken, config))
-    return grown
+        candidates.extend(_candidates(name, camera, xyz_m, taken))
+    if not candidates:
+        return dict(cameras)
+    rows = np.concatenate([candidate.rows for candidate in candidates])
+    counts = [len(candidate.rows) for candidate in candidates]
+    part = connected_parts(xyz_m[rows], np.repeat(np.arange(len(counts), dtype=np.int32), counts), config)
+    grown: dict[Member, NDArray[np.int32]] = {}
+    for candidate, of_rows in zip(candidates, np.split(part, np.cumsum(counts)[:-1]), strict=True):
+        joined = np.isin(of_rows, of_rows[: candidate.seeds])
+        grown[candidate.member] = candidate.rows[joined]
+    return {name: replace(camera, clusters=_with(camera.clusters, name, grown)) for name, camera in cameras.items()}
+
+
+def _with(clusters: Clusters, camera: str, grown: Mapping[Member, NDArray[np.int32]]) -> Clusters:
+    return Clusters.of(
+        {
+            int(detection): grown.get((camera, number), clusters.rows_of(number))
+            for number, detection in enumerate(clusters.detection_index)
+        }
+    )
 
 
 def link_clusters(cameras: Mapping[str, CameraClusters], points: int) -> list[list[Member]]:
@@ -101,36 +119,29 @@ def _rows_of_whole(camera: CameraClusters, count: int) -> NDArray[np.bool_]:
     return rows
 
 
-def _grown(
-    camera: CameraClusters, xyz_m: NDArray[np.float32], taken: NDArray[np.bool_], config: LidarConfig
-) -> Clusters:
-    """The camera's clusters, those that the border cuts with the free points beyond it that hang together with them."""
+@dataclass(frozen=True, eq=False)
+class _Candidates:
+    """The points of one cluster at the border, the first ``seeds`` of ``rows``, and free points beyond the border."""
+
+    member: Member
+    seeds: int
+    rows: NDArray[np.int32]
+
+
+def _candidates(
+    name: str, camera: CameraClusters, xyz_m: NDArray[np.float32], taken: NDArray[np.bool_]
+) -> list[_Candidates]:
+    """Those of each cluster that the border cuts: free points within the reach of an object of its class."""
     clusters = camera.clusters
-    rows_of = {int(detection): clusters.rows_of(number) for number, detection in enumerate(clusters.detection_index)}
+    cut_sides = camera.cut_sides()
     free = np.flatnonzero(~taken)
     x_m, y_m = np.ascontiguousarray(xyz_m[free, 0]), np.ascontiguousarray(xyz_m[free, 1])
-    parts: list[NDArray[np.int32]] = []
-    owners: list[NDArray[np.int32]] = []
-    cut_sides = camera.cut_sides()
-    cut = np.flatnonzero(cut_sides.any(axis=1)).tolist()
-    for number in cut:
+    found: list[_Candidates] = []
+    for number in np.flatnonzero(cut_sides.any(axis=1)).tolist():
         seed = clusters.rows_of(number)
-        detection = int(clusters.detection_index[number])
-        reach_m = _REACH * float(camera.sizes_m[detection, :2].max())
-        low, high = xyz_m[seed].min(axis=0), xyz_m[seed].max(axis=0)
-        low, high = low - np.float32(reach_m), high + np.float32(reach_m)
+        reach_m = np.float32(_REACH * float(camera.sizes_m[int(clusters.detection_index[number]), :2].max()))
+        low, high = xyz_m[seed, :2].min(axis=0) - reach_m, xyz_m[seed, :2].max(axis=0) + reach_m
         near = free[(x_m >= low[0]) & (x_m <= high[0]) & (y_m >= low[1]) & (y_m <= high[1])]
         near = near[camera.view.beyond(xyz_m[near], cut_sides[number])]
-        parts.append(np.concatenate([seed, near.astype(np.int32)]))
-        owners.append(np.full(len(parts[-1]), number, np.int32))
-    if not parts:
-        return clusters
-    row, owner = np.concatenate(parts), np.concatenate(owners)
-    part = connected_parts(xyz_m[row], owner, config)
-    for number in cut:
-        mine = np.flatnonzero(owner == number)
-        seeds = len(clusters.rows_of(number))
-        joined = np.isin(part[mine], np.unique(part[mine[:seeds]]))
-        joined[:seeds] = True
-        rows_of[int(clusters.detection_index[number])] = row[mine[joined]]
-    return Clusters.of(rows_of)
+        found.append(_Candidates((name, number), len(seed), np.concatenate([seed, near.astype(np.int32)])))
+    return found

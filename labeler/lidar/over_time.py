@@ -14,13 +14,20 @@ from numpy.typing import NDArray
 
 from labeler.lidar.types import Boxes3D, BoxSource
 
-_SEEN_QUANTILE = 0.9
+_SEEN_QUANTILE = 0.75
+_LARGER = 1.2
+"""More than this times larger than usual it is in a few views only, which then show something else as well."""
 _SAME_WAY = np.pi / 4
-_MOVED_M = 1.5
-_MOVING_MPS = 1.0
-_PATH_YAW_STD_RAD = 0.05
+_MOVED_M = 3.0
+"""The centres of a standing car wander as the ego car passes it and other sides come into view."""
+_CLEARLY = 3.0
+_MOVING_MPS = 2.0
+_PATH_YAW_STD_RAD = 0.04
+_PATH_YAW_STD_MPS = 0.4
+"""Beside that, so much over the speed: the slower, the less a path tells the yaw."""
 _WINDOW_S = 1.0
 _STEADIER = 0.7
+_AGREEING_RAD = 0.1
 
 
 def refine_track_boxes(
@@ -51,7 +58,7 @@ def refine_track_boxes(
     time_s = (timestamp_ns - timestamp_ns.min()) * 1e-9 + boxes.offset_s
     if velocity_mps is None:
         velocity_mps = _velocities(center_m[:, :2], time_s, boxes)
-    yaw = _steady_yaws(boxes, ego_yaw_rad, velocity_mps, _has_moved(center_m[:, :2], boxes))
+    yaw = _steady_yaws(boxes, ego_yaw_rad, velocity_mps, _has_moved(center_m[:, :2], time_s, boxes))
     rows = _turned(boxes, yaw.yaw_rad - ego_yaw_rad)
     size_m = _one_size(rows)
     return _rebuilt(rows, size_m, yaw)
@@ -79,33 +86,47 @@ def _velocities(xy_m: NDArray[np.float64], time_s: NDArray[np.float64], boxes: B
     return velocity
 
 
-def _has_moved(xy_m: NDArray[np.float64], boxes: Boxes3D) -> bool:
-    """Whether the object is somewhere else at one time than at another, by more than its centres are unsure."""
+def _has_moved(xy_m: NDArray[np.float64], time_s: NDArray[np.float64], boxes: Boxes3D) -> bool:
+    """Whether the object is elsewhere in the last third of the time than in the first, by more than its centres are
+    unsure, and than they scatter meanwhile."""
+    first, last = time_s <= np.quantile(time_s, 1 / 3), time_s >= np.quantile(time_s, 2 / 3)
+    begin_m, end_m = np.median(xy_m[first], axis=0), np.median(xy_m[last], axis=0)
     unsure_m = float(np.median(boxes.center_std_m.max(axis=1)))
-    reach_m = np.quantile(xy_m, 0.9, axis=0) - np.quantile(xy_m, 0.1, axis=0)
-    return float(np.hypot(*reach_m)) > max(_MOVED_M, 3 * unsure_m)
+    way = (end_m - begin_m) / max(float(np.hypot(*(end_m - begin_m))), 1e-9)
+    across_m = (xy_m - begin_m) @ np.array([-way[1], way[0]])
+    scatter_m = float(np.median(np.abs(across_m - np.median(across_m))))
+    return float(np.hypot(*(end_m - begin_m))) > max(_MOVED_M, _CLEARLY * unsure_m, _CLEARLY * scatter_m)
 
 
 def _steady_yaws(
     boxes: Boxes3D, ego_yaw_rad: NDArray[np.float64], velocity_mps: NDArray[np.float64], moved: bool
 ) -> _Yaws:
     """Along the path where it moves. A standing object keeps the yaw of the nearest moving moment, or, if it never
-    moved, the mean axis of its boxes."""
+    moved, the axis that most of its boxes agree on."""
     own_rad = boxes.yaw_rad + ego_yaw_rad
     speed_mps = np.hypot(velocity_mps[:, 0], velocity_mps[:, 1])
     moving = np.flatnonzero(np.nan_to_num(speed_mps) >= _MOVING_MPS) if moved else np.zeros(0, np.intp)
     weight = 1 / np.square(np.maximum(boxes.yaw_std_rad.astype(np.float64), 0.02))
     if not len(moving):
-        mean = np.sum(weight * np.exp(2j * own_rad))
-        std_rad = max(_PATH_YAW_STD_RAD / 2, float(1 / np.sqrt(weight.sum())))
-        axis_rad = float(np.angle(mean)) / 2
+        axis_rad, std_rad = _common_axis(own_rad, weight)
         return _Yaws(np.full(len(boxes), axis_rad), np.full(len(boxes), std_rad))
     path_rad = np.arctan2(velocity_mps[moving, 1], velocity_mps[moving, 0])
     nearest = moving[np.abs(np.arange(len(boxes))[:, None] - moving[None, :]).argmin(axis=1)]
     yaw_rad = path_rad[np.searchsorted(moving, nearest)]
     lag = (own_rad - yaw_rad + np.pi / 2) % np.pi - np.pi / 2
-    trust = np.where(np.abs(lag) < _SAME_WAY / 2, weight / (weight + 1 / _PATH_YAW_STD_RAD**2), 0.0)
-    return _Yaws(yaw_rad + trust * lag, np.full(len(boxes), _PATH_YAW_STD_RAD))
+    path_std_rad = _PATH_YAW_STD_RAD + _PATH_YAW_STD_MPS / speed_mps[nearest]
+    path_weight = 1 / np.square(path_std_rad)
+    trust = np.where(np.abs(lag) < _SAME_WAY / 2, weight / (weight + path_weight), 0.0)
+    return _Yaws(yaw_rad + trust * lag, np.where(trust > 0, 1 / np.sqrt(weight + path_weight), path_std_rad))
+
+
+def _common_axis(yaw_rad: NDArray[np.float64], weight: NDArray[np.float64]) -> tuple[float, float]:
+    """The axis that most of (N,) yaws agree on, whichever way they point along it, and its standard deviation."""
+    apart_rad = (yaw_rad[:, None] - yaw_rad[None, :] + np.pi / 2) % np.pi - np.pi / 2
+    best = int((np.exp(-np.square(apart_rad / _AGREEING_RAD) / 2) @ weight).argmax())
+    near = np.abs(apart_rad[:, best]) <= 2 * _AGREEING_RAD
+    axis_rad = yaw_rad[best] + float(np.average(apart_rad[near, best], weights=weight[near]))
+    return axis_rad, max(_PATH_YAW_STD_RAD / 2, float(1 / np.sqrt(weight[near].sum())))
 
 
 def _turned(boxes: Boxes3D, yaw_rad: NDArray[np.float64]) -> Boxes3D:
@@ -142,13 +163,14 @@ def _quarter_turns(
 
 
 def _one_size(boxes: Boxes3D) -> NDArray[np.float64]:
-    """(3,) the usual size of the boxes, and no smaller than what has often been seen of the object at once."""
+    """(3,) the usual size of the boxes, or somewhat more where that much of the object has often been seen at once."""
     weight = boxes.score.astype(np.float64) + 1e-3
     size_m = np.array([_weighted_median(boxes.size_m[:, axis], weight) for axis in range(3)])
     seen_m = boxes.seen_m[:, 2:] - boxes.seen_m[:, :2]
     known = np.isfinite(seen_m).all(axis=1)
     if known.any():
-        size_m[:2] = np.maximum(size_m[:2], np.quantile(seen_m[known], _SEEN_QUANTILE, axis=0))
+        often_m = np.quantile(seen_m[known], _SEEN_QUANTILE, axis=0)
+        size_m[:2] = np.where(often_m <= _LARGER * size_m[:2], np.maximum(size_m[:2], often_m), size_m[:2])
     return size_m
 
 
