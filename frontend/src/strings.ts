@@ -513,6 +513,21 @@ export const text = {
     proposalsLeft: (n: number) =>
       `${plural(n, "proposed merge")} ${n === 1 ? "is" : "are"} still open. Undecided merges do not change labels.`,
   },
+  coach: {
+    name: "How to begin",
+    title: "New here?",
+    keys: {
+      nextMerge: "shows the next question",
+      accept: "same object",
+      reject: "two objects",
+      undo: "takes it back",
+      playPause: "plays",
+      help: "all keys",
+    },
+    pictures: "Click a box to see where its label comes from; the wheel zooms.",
+    lanes: "A click in the timeline goes there.",
+    done: "Got it",
+  },
   keys: {
     title: "Keys",
     change: (action: string) => `Change the key of: ${action}`,

@@ -13,6 +13,7 @@ import { useStoredState } from "../app/storedState";
 import { JobProgress } from "../drives/JobProgress";
 import { LabelButton } from "../drives/LabelButton";
 import { text } from "../strings";
+import { Coach } from "./Coach";
 import { CameraGrid } from "./cameras/CameraGrid";
 import { Key, withKey } from "./keys/Key";
 import { KeyHelp } from "./keys/KeyHelp";
@@ -108,6 +109,7 @@ function Review({ drive }: { drive: DriveDetail }) {
         )}
       </Header>
       <Unlabelled drive={drive} />
+      {drive.state === "ready" && <Coach />}
       {view === "queue" ? (
         <Suspense fallback={<div className={classes.body} />}>
           <QueueView onClose={() => store.getState().setView("cameras")} />

@@ -1,0 +1,278 @@
+"""Measure the review page in headless Chromium on the big drive, as a person would feel it.
+
+    python -m tests.browser.measure_review [--workspace FOLDER] [--minutes 10]
+
+Makes the drive of :mod:`tests.big_drive` in the folder (a temporary one if none is named), serves it with
+``hindsight serve``, and prints one line for each figure and its goal, and all of them as JSON. It is no test: what a
+busy machine measures says little. The load of the machine is printed with the figures.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import statistics
+import sys
+import tempfile
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+from playwright.sync_api import Browser, CDPSession, Page, expect
+
+from tests.big_drive.making import make_workspace
+from tests.browser.serving import serving
+from tests.chromium import headless_chromium
+
+SIZE = {"width": 1600, "height": 1000}
+SLOW_MS = 600_000
+START, WARM_FRAMES, STEPS, PLAYED, SCROLL_SECONDS, MERGES = 500, 60, 40, 100, 5, 10
+PERIOD_MS = 100.0
+LATE_MS = 50.0
+
+# Notes when frames come to the screen, from before the page's own code runs. A change is "seen" in the task after the
+# animation frame that it was made for: by then the browser has been given it to paint.
+NOTES = """
+window.notes = {frames: [], first: null, labels: 0};
+const painted = (then) => requestAnimationFrame(() => {
+  const channel = new MessageChannel();
+  channel.port1.onmessage = () => then(performance.now());
+  channel.port2.postMessage(null);
+});
+new MutationObserver(() => {
+  const views = [...document.querySelectorAll("figure[data-frame]")];
+  if (views.length < 4) return;
+  const frame = Number(views[0].dataset.frame);
+  if (notes.frames.at(-1)?.frame === frame) return;
+  const note = {frame, at: null};
+  notes.frames.push(note);
+  painted((now) => { note.at = now; notes.first ??= now; });
+}).observe(document, {subtree: true, childList: true, attributes: true, attributeFilter: ["data-frame"]});
+const clear = CanvasRenderingContext2D.prototype.clearRect;
+CanvasRenderingContext2D.prototype.clearRect = function (...rect) {
+  if (this.canvas.parentElement?.tagName === "FIGURE") notes.repainted = performance.now();
+  return clear.apply(this, rect);
+};
+"""
+
+GO_TO = """(frame) => {
+  history.replaceState(null, "", `?frame=${frame}`);
+  dispatchEvent(new PopStateEvent("popstate"));
+}"""
+
+STEP = """async (steps) => {
+  const times = [];
+  for (let step = 0; step < steps; step += 1) {
+    const known = notes.frames.length;
+    const begun = performance.now();
+    window.dispatchEvent(new KeyboardEvent("keydown", {key: "f", bubbles: true}));
+    while (!(notes.frames.length > known && notes.frames.at(-1).at)) await new Promise((go) => setTimeout(go, 1));
+    times.push(notes.frames.at(-1).at - begun);
+    await new Promise((go) => setTimeout(go, 60));
+  }
+  return times;
+}"""
+
+SCROLL = """async (seconds) => {
+  const lanes = document.querySelector("[aria-label^='Lanes of identities']");
+  const times = [];
+  await new Promise((end) => {
+    const begun = performance.now();
+    const step = (now) => {
+      times.push(now);
+      lanes.scrollTop += lanes.scrollTop + lanes.clientHeight >= lanes.scrollHeight - 1 ? -lanes.scrollHeight : 37;
+      if (now - begun < seconds * 1000) requestAnimationFrame(step);
+      else end();
+    };
+    requestAnimationFrame(step);
+  });
+  return times;
+}"""
+
+# From the key to the first repaint of the boxes after the server's new labels of the frame are here.
+ACCEPT = """async () => {
+  performance.clearResourceTimings();
+  const begun = performance.now();
+  window.dispatchEvent(new KeyboardEvent("keydown", {key: "a", bubbles: true}));
+  const labels = () => performance.getEntriesByType("resource").find((one) => one.name.includes("/observations"));
+  for (let waited = 0; waited < 60000; waited += 2) {
+    const got = labels();
+    if (got && notes.repainted > got.responseEnd) return notes.repainted - begun;
+    await new Promise((go) => setTimeout(go, 2));
+  }
+  return null;
+}"""
+
+
+def main() -> None:
+    options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    options.add_argument("--workspace", type=Path, help="Where the drive is, or is to be made.")
+    options.add_argument("--minutes", type=float, default=10.0, help="How long to play while memory is watched.")
+    given = options.parse_args()
+    with tempfile.TemporaryDirectory(prefix="hindsight-review-") as folder:
+        workspace: Path = given.workspace or Path(folder)
+        if not (workspace / "hindsight.db").exists():
+            make_workspace(workspace)
+        with serving(workspace) as address, headless_chromium() as browser:
+            figures = measure(browser, f"{address.rstrip('/')}/drives/1", minutes=given.minutes)
+    sys.stdout.write(json.dumps(figures) + "\n")
+
+
+def measure(browser: Browser, address: str, *, minutes: float) -> dict[str, Any]:
+    """All figures, by name; each is printed as it comes."""
+    say("load of the machine", f"{os.getloadavg()[0]:.1f} on {os.cpu_count()} processors")
+    figures: dict[str, Any] = {"load": os.getloadavg()[0]}
+    views = [first_view_ms(browser, address) for _ in range(3)]
+    figures["first_view_ms"] = statistics.median(views)
+    say("first useful view", f"{figures['first_view_ms']:.0f} ms (goal 1500)")
+    page = open_page(browser, f"{address}?frame={START}")
+    expect(page.get_by_role("img", name="2000 lanes, one for each identity")).to_be_visible(timeout=SLOW_MS)
+    page.wait_for_load_state("networkidle")
+
+    play_to(page, START + WARM_FRAMES)
+    page.goto(f"{address}?frame={START}")
+    play_to(page, START + WARM_FRAMES)
+    seek(page, START)
+    steps: list[float] = page.evaluate(STEP, STEPS)
+    figures |= {"step_median_ms": statistics.median(steps), "step_95_ms": percentile(steps, 95)}
+    median, high = figures["step_median_ms"], figures["step_95_ms"]
+    say("frame step, warm cache", f"{median:.0f} ms, 95 of 100 within {high:.0f} ms (goal 50)")
+
+    figures |= playback(page, START + WARM_FRAMES)
+    played = f"{figures['played_fps']:.1f} frames a second, {figures['frames_skipped']} skipped, "
+    say("playback", f"{played}{figures['frames_late']} of {PLAYED} more than {LATE_MS:.0f} ms late (goal 10, 0, 0)")
+
+    times: list[float] = page.evaluate(SCROLL, SCROLL_SECONDS)
+    figures["scroll_fps"] = (len(times) - 1) / (times[-1] - times[0]) * 1000
+    say("timeline scroll", f"{figures['scroll_fps']:.0f} frames a second (goal 50)")
+
+    figures["accept_ms"] = statistics.median(accepts(page))
+    say("accept to repainted labels", f"{figures['accept_ms']:.0f} ms (goal 150)")
+    if minutes > 0:
+        figures["memory"] = memory(page, minutes)
+    page.context.close()
+    return figures
+
+
+def first_view_ms(browser: Browser, address: str) -> float:
+    """From the navigation to all cameras with their boxes, in a fresh profile."""
+    page = open_page(browser, f"{address}?frame={START}")
+    shown = page.evaluate("notes.first")
+    page.context.close()
+    return shown
+
+
+def open_page(browser: Browser, address: str) -> Page:
+    context = browser.new_context(viewport=SIZE, color_scheme="dark")
+    context.set_default_timeout(SLOW_MS)
+    context.add_init_script(NOTES)
+    page = context.new_page()
+    page.goto(address)
+    page.wait_for_function("() => notes.first !== null")
+    return page
+
+
+def seek(page: Page, frame: int) -> None:
+    page.evaluate(GO_TO, frame)
+    page.wait_for_function("(frame) => notes.frames.at(-1)?.frame === frame && notes.frames.at(-1).at", arg=frame)
+
+
+def play_to(page: Page, frame: int) -> None:
+    page.keyboard.press("Space")
+    page.wait_for_function("(frame) => notes.frames.at(-1)?.frame >= frame", arg=frame)
+    page.keyboard.press("Space")
+
+
+def playback(page: Page, start: int) -> dict[str, Any]:
+    """How frames came while PLAYED of them were played at the drive's own ten a second."""
+    seek(page, start)
+    page.wait_for_timeout(1_000)
+    known = page.evaluate("notes.frames.length")
+    play_to(page, start + PLAYED)
+    page.wait_for_timeout(300)
+    notes: list[dict[str, float]] = page.evaluate("(known) => notes.frames.slice(known)", known)
+    numbers = [int(one["frame"]) for one in notes]
+    times = [one["at"] for one in notes]
+    gaps = [after - before for before, after in pairwise(times)]
+    return {
+        "played_fps": (len(times) - 1) / (times[-1] - times[0]) * 1000,
+        "frames_skipped": numbers[-1] - numbers[0] + 1 - len(set(numbers)),
+        "frames_late": sum(gap > PERIOD_MS + LATE_MS for gap in gaps),
+    }
+
+
+def accepts(page: Page) -> list[float]:
+    """Accepts merge after merge with the key, as the queue is worked through."""
+    page.keyboard.press("j")
+    page.wait_for_timeout(2_000)
+    found: list[float] = []
+    for _ in range(MERGES):
+        taken = page.evaluate(ACCEPT)
+        if taken is not None:
+            found.append(taken)
+        page.wait_for_load_state("networkidle")
+        page.wait_for_timeout(500)
+    return found
+
+
+def memory(page: Page, minutes: float) -> dict[str, list[float]]:
+    """MB of the page's heap after collection, and of decoded pictures and all else in its process, each half minute."""
+    devtools = page.context.new_cdp_session(page)
+    devtools.send("HeapProfiler.enable")
+    seek(page, 0)
+    page.keyboard.press("Space")
+    found: dict[str, list[float]] = {"heap_mb": [], "renderer_mb": []}
+    for sample in range(round(minutes * 2) + 1):
+        if sample:
+            page.wait_for_timeout(30_000)
+        if page.get_by_role("button", name="Play", exact=True).is_visible():
+            page.keyboard.press("Space")  # the drive has ended: from the start again
+        found["heap_mb"].append(round(heap_mb(devtools), 1))
+        found["renderer_mb"].append(round(renderers_mb(), 1))
+        say(
+            f"memory after {sample / 2:.1f} min",
+            f"heap {found['heap_mb'][-1]} MB, renderers {found['renderer_mb'][-1]} MB",
+        )
+    return found
+
+
+def heap_mb(devtools: CDPSession) -> float:
+    devtools.send("HeapProfiler.collectGarbage")
+    return devtools.send("Runtime.getHeapUsage")["usedSize"] / 1e6
+
+
+def renderers_mb() -> float:
+    """Resident memory of the browser's largest renderer below this process, from /proc."""
+    parents: dict[int, int] = {}
+    sizes: dict[int, float] = {}
+    for folder in Path("/proc").iterdir():
+        if not folder.name.isdigit():
+            continue
+        try:
+            status = dict(line.split(":", 1) for line in (folder / "status").read_text().splitlines() if ":" in line)
+            parents[int(folder.name)] = int(status["PPid"])
+            if b"--type=renderer" in (folder / "cmdline").read_bytes():
+                sizes[int(folder.name)] = int(status["VmRSS"].split()[0]) / 1000
+        except (OSError, KeyError):
+            continue  # it has ended meanwhile
+
+    def is_ours(process: int) -> bool:
+        while process in parents and process != os.getpid():
+            process = parents[process]
+        return process == os.getpid()
+
+    return max((size for process, size in sizes.items() if is_ours(process)), default=0.0)
+
+
+def percentile(values: list[float], percent: int) -> float:
+    return sorted(values)[min(len(values) - 1, len(values) * percent // 100)]
+
+
+def say(what: str, found: str) -> None:
+    sys.stdout.write(f"{what:<28}{found}\n")
+    sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,99 @@
+"""The timeline of the review page, and its keys, used as a person does."""
+
+import re
+
+import pytest
+from playwright.sync_api import Locator, Page, expect
+
+pytestmark = pytest.mark.browser
+
+GUTTER_PX, GROUP_PX, RULER_PX = 150, 22, 26
+
+
+def test_lanes_lead_to_frames_and_identities(page: Page, small_review: str) -> None:
+    lanes = _open(page, small_review)
+    expect(lanes).to_have_accessible_name("75 lanes, one for each identity")
+    box = lanes.bounding_box()
+    assert box is not None
+    across = box["width"] - GUTTER_PX
+    # The first lane below the head of the first group, in the middle of time.
+    lanes.click(position={"x": GUTTER_PX + across * 0.505, "y": GROUP_PX + 8})
+    expect(page.get_by_text("Frame 31 of 60")).to_be_visible()
+    expect(page).to_have_url(re.compile(r"frame=30&identity=\d+"))
+    address = page.url
+    # Who opens that address sees the same.
+    page.goto("about:blank")
+    page.goto(address)
+    expect(page.get_by_text("Frame 31 of 60")).to_be_visible()
+    expect(page.get_by_text("Where the label comes from")).to_be_visible()
+
+
+def test_groups_close_and_change(page: Page, small_review: str) -> None:
+    lanes = _open(page, small_review)
+    lanes.click(position={"x": 20, "y": GROUP_PX / 2})
+    expect(lanes).not_to_have_accessible_name("75 lanes, one for each identity")
+    lanes.click(position={"x": 20, "y": GROUP_PX / 2})
+    expect(lanes).to_have_accessible_name("75 lanes, one for each identity")
+    before = _canvas(lanes)
+    page.get_by_text("Camera", exact=True).click()
+    page.wait_for_function("([canvas, before]) => canvas.toDataURL() !== before", arg=[lanes.element_handle(), before])
+
+
+def test_the_wheel_zooms_at_the_pointer(page: Page, small_review: str) -> None:
+    lanes = _open(page, small_review)
+    ruler = page.get_by_role("slider", name="Frame")
+    box = ruler.bounding_box()
+    assert box is not None
+    at = {"x": box["width"] * 0.76, "y": RULER_PX / 2}
+    before = _canvas(lanes)
+    ruler.hover(position=at)
+    page.mouse.wheel(0, -500)
+    page.wait_for_function("([canvas, before]) => canvas.toDataURL() !== before", arg=[lanes.element_handle(), before])
+    # What was under the pointer still is: frame 45 of 0 to 59.
+    ruler.click(position=at)
+    expect(page.get_by_text("Frame 46 of 60")).to_be_visible()
+    page.get_by_role("button", name="Whole drive").click()
+    ruler.click(position={"x": box["width"] - 1, "y": RULER_PX / 2})
+    expect(page.get_by_text("Frame 60 of 60")).to_be_visible()
+
+
+def test_a_key_can_be_changed_and_conflicts_are_told(page: Page, small_review: str) -> None:
+    _open(page, small_review)
+    page.keyboard.press("?")
+    dialog = page.get_by_role("dialog")
+    dialog.get_by_role("button", name="Change the key of: Next frame").click()
+    page.keyboard.press("n")
+    expect(dialog.get_by_role("button", name="Change the key of: Next frame")).to_have_text("N")
+    dialog.get_by_role("button", name="Change the key of: Previous frame").click()
+    page.keyboard.press("n")
+    expect(dialog.get_by_role("alert")).to_contain_text("N is already “Next frame”.")
+    dialog.get_by_role("button", name="Cancel").click()
+    page.keyboard.press("Escape")
+    expect(dialog).to_be_hidden()
+    page.keyboard.press("n")
+    expect(page.get_by_text("Frame 2 of 60")).to_be_visible()
+
+    page.reload()
+    expect(page.get_by_text("Frame 2 of 60")).to_be_visible()
+    page.keyboard.press("Home")
+    expect(page.get_by_text("Frame 1 of 60")).to_be_visible()
+    page.keyboard.press("n")
+    expect(page.get_by_text("Frame 2 of 60")).to_be_visible()
+    page.keyboard.press("?")
+    page.get_by_role("button", name="Use the standard keys").click()
+    page.keyboard.press("Escape")
+    expect(dialog).to_be_hidden()
+    page.keyboard.press("f")
+    expect(page.get_by_text("Frame 3 of 60")).to_be_visible()
+
+
+def _open(page: Page, address: str) -> Locator:
+    page.goto(address)
+    lanes = page.get_by_role("img", name=re.compile("lanes, one for each identity"))
+    expect(lanes).to_be_visible()
+    expect(page.get_by_role("figure", name=re.compile("^rear, "))).to_be_visible()
+    return lanes
+
+
+def _canvas(canvas: Locator) -> str:
+    return canvas.evaluate("(canvas) => canvas.toDataURL()")
