@@ -27,8 +27,8 @@ from labeler.lidar.scene import Scene
 from labeler.lidar.types import Boxes3D, BoxSource
 
 _OUTLIERS = 0.02
-_LARGEST = np.array([1.5, 1.25, 1.6])
-"""How many times as long, wide and tall as usual an object of a class may be."""
+_LARGEST_SPREADS = 5.0
+"""An object is larger than usual by at most so many times what its class differs by."""
 _LOWEST_HEIGHT = 0.8
 _AWAY_BONUS = 0.2
 _SIZE_PENALTY = 0.3
@@ -107,8 +107,9 @@ def _fit(
     xy_m = xyz_m[:, :2]
     yaw_rad = fit_yaws(xy_m, start, config)
     low_m, high_m = extents_along(xy_m, start, yaw_rad, outliers=_OUTLIERS)
-    bottom_m, top_m = _heights(xyz_m, start, usual_m, scene.ground)
-    options = _hypotheses(low_m, high_m, yaw_rad, bottom_m, top_m, usual_m)
+    largest_m = usual_m * (1 + _LARGEST_SPREADS * objects.spread)
+    bottom_m, top_m = _heights(xyz_m, start, usual_m, largest_m, scene.ground)
+    options = _hypotheses(low_m, high_m, yaw_rad, bottom_m, top_m, usual_m, largest_m)
     first_camera = [cameras[group[0][0]] for group in objects.members]
     sensor_xy_m = np.array([camera.view.position_m[:2] for camera in first_camera])
     overlap, of_member = _overlaps(options, objects, cameras)
@@ -227,7 +228,11 @@ class _Hypotheses:
 
 
 def _heights(
-    xyz_m: NDArray[np.float64], start: NDArray[np.int64], usual_m: NDArray[np.float64], ground: Ground
+    xyz_m: NDArray[np.float64],
+    start: NDArray[np.int64],
+    usual_m: NDArray[np.float64],
+    largest_m: NDArray[np.float64],
+    ground: Ground,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """(C,) lowest and (C,) highest z of each object: from the ground to the points, and at least nearly as tall as
     usual, because LiDAR often misses a roof."""
@@ -235,7 +240,7 @@ def _heights(
     ground_m = ground.at(np.add.reduceat(xyz_m[:, :2], first) / np.diff(start)[:, None]).astype(np.float64)
     bottom_m = np.fmin(ground_m, np.minimum.reduceat(xyz_m[:, 2], first))
     seen_m = np.maximum.reduceat(xyz_m[:, 2], first) - bottom_m
-    return bottom_m, bottom_m + np.clip(seen_m, _LOWEST_HEIGHT * usual_m[:, 2], _LARGEST[2] * usual_m[:, 2])
+    return bottom_m, bottom_m + np.clip(seen_m, _LOWEST_HEIGHT * usual_m[:, 2], largest_m[:, 2])
 
 
 def _hypotheses(
@@ -245,11 +250,13 @@ def _hypotheses(
     bottom_m: NDArray[np.float64],
     top_m: NDArray[np.float64],
     usual_m: NDArray[np.float64],
+    largest_m: NDArray[np.float64],
 ) -> _Hypotheses:
-    """Every option for each cluster: the points' extent, filled up to the usual size on the side that is not kept."""
+    """Every option for each cluster: the points' extent, filled up to the usual size on the side that is not kept, and
+    cut there to the largest."""
     usual_sides_m = np.stack([usual_m[:, :2], usual_m[:, 1::-1]], axis=1)[:, _OPTIONS[:, 0]]
-    largest = np.stack([_LARGEST[:2], _LARGEST[1::-1]])[_OPTIONS[:, 0]]
-    side_m = np.clip((high_m - low_m)[:, None], usual_sides_m, largest * usual_sides_m)
+    largest_sides_m = np.stack([largest_m[:, :2], largest_m[:, 1::-1]], axis=1)[:, _OPTIONS[:, 0]]
+    side_m = np.clip((high_m - low_m)[:, None], usual_sides_m, largest_sides_m)
     kept = _OPTIONS[None, :, 1:]
     middle_m = np.where(
         kept == _KEEP_LOW,

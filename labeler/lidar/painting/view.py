@@ -12,7 +12,7 @@ from labeler.drive.types import Camera
 from labeler.geometry.se3 import invert_se3
 
 MIN_DEPTH_M = 0.5
-BORDER_SHARE = 0.004
+BORDER_SHARE = 0.01
 """A box that comes this close to the image's border, as a share of the image's side, is cut by it."""
 
 LEFT, TOP, RIGHT, BOTTOM = range(4)
