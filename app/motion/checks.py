@@ -80,7 +80,7 @@ def _speed(paths: Sequence[BoxPath], class_name: str) -> Failure | None:
     rows, later, duration_s = rows[near], later[near], duration_s[near]
     if not len(rows):
         return None
-    speed = np.hypot(*(xy_m[later] - xy_m[rows]).T) / duration_s
+    speed = (np.hypot(*(xy_m[later] - xy_m[rows]).T) / duration_s).round(3)
     worst = int(np.argmax(speed))
     if speed[worst] <= MAX_SPEED_MPS[_way_of_moving(class_name)]:
         return None

@@ -8,13 +8,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Page, expect
 
-from app.db.engine import migrate, open_engine
-from app.db.session import Store
-from app.drives.schemas import DriveRegistration
-from app.drives.service import add_local_drive
-from app.tracks.importing import import_labelled_drive
-from labeler.identity.types import MergeState
-from tests.app.made_labels import MadeTrack, make_labelled_drive, write_three_camera_drive
+from tests.browser.made_queue import store_queue
 
 pytestmark = pytest.mark.browser
 
@@ -26,25 +20,7 @@ COUNT_KEYS = "window.keysPressed = 0; window.addEventListener('keydown', () => {
 @pytest.fixture
 def queue_of_20(serve: Callable[..., str], tmp_path: Path) -> str:
     """The address of a drive with 20 proposed merges and one that the machine made."""
-    drive = write_three_camera_drive(tmp_path / "drive")
-    workspace = tmp_path / "workspace"
-    workspace.mkdir()
-    engine = open_engine(f"sqlite:///{workspace}/hindsight.db")
-    migrate(engine)
-    store = Store(engine)
-    drive_id = add_local_drive(store, DriveRegistration(path=str(drive))).id
-    pairs = range(1, MERGES + 2)
-    tracks = [
-        MadeTrack(number + 100 * side, camera, 0, dict.fromkeys(range(number % 4, 6), score), x_px=4.0 * number)
-        for side, (camera, score) in enumerate((("front", 0.9), ("left", 0.4)))
-        for number in pairs
-    ]
-    merges = [
-        (number, number + 100, 0.4 + number / 100, MergeState.PROPOSED if number <= MERGES else MergeState.ACCEPTED)
-        for number in pairs
-    ]
-    assert import_labelled_drive(store, drive_id, make_labelled_drive(tracks, merges), model_name="made")
-    engine.dispose()
+    drive_id = store_queue(tmp_path / "workspace", tmp_path / "drive", merges=MERGES)
     return f"{serve().rstrip('/')}/drives/{drive_id}"
 
 
@@ -103,14 +79,11 @@ def test_a_card_shows_what_helps_to_answer_and_the_next_is_already_there(page: P
     fetched = "part => performance.getEntriesByType('resource').filter(one => one.name.includes(part)).length"
     page.wait_for_function(f"({fetched})('/looks') >= 4 && ({fetched})('max_width=720') >= 12")
 
-    page.route("**/api/drives/*/frames/**", lambda route: route.abort())  # what is not here now can't come any more
-    page.route("**/looks", lambda route: route.abort())
     page.keyboard.press("a")
     expect(card).to_have_accessible_name("Merge of tracks 12 and 112")
-    pictures = card.get_by_role("img", name=re.compile("^[AB]: ")).all()
-    assert len(pictures) == 4
-    for picture in pictures:
-        assert picture.evaluate("image => image.complete && image.naturalWidth > 0")
+    # at once: nothing is waited for here
+    here = "images => images.map(image => image.complete && image.naturalWidth > 0)"
+    assert card.locator("img[alt^='A: '], img[alt^='B: ']").evaluate_all(here) == [True] * 4
 
 
 def test_automatic_merges_are_reviewed_and_undone_in_the_same_place(page: Page, queue_of_20: str) -> None:

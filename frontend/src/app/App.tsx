@@ -12,6 +12,7 @@ import { theme } from "./theme";
 const EvaluationPage = lazy(() =>
   import("../evaluation/EvaluationPage").then((module) => ({ default: module.EvaluationPage })),
 );
+const SummaryPage = lazy(() => import("../summary/SummaryPage").then((module) => ({ default: module.SummaryPage })));
 const ReviewPage = lazy(() => import("../review/ReviewPage").then((module) => ({ default: module.ReviewPage })));
 
 export function App() {
@@ -33,6 +34,13 @@ export function App() {
               {({ id }) => (
                 <Suspense fallback={null}>
                   {/^\d+$/.test(id) ? <EvaluationPage key={id} driveId={Number(id)} /> : <NotFound />}
+                </Suspense>
+              )}
+            </Route>
+            <Route path="/drives/:id/summary">
+              {({ id }) => (
+                <Suspense fallback={null}>
+                  {/^\d+$/.test(id) ? <SummaryPage key={id} driveId={Number(id)} /> : <NotFound />}
                 </Suspense>
               )}
             </Route>

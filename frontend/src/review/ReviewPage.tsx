@@ -163,6 +163,11 @@ function Actions({ drive, sceneOpen, onScene, onHelp }: ActionsProps) {
     <>
       {drive.state === "ready" && <QueueButton />}
       {drive.state === "ready" && (
+        <Button component={Link} href={`/drives/${drive.id}/summary`} size="xs" variant="default">
+          {text.summary.name}
+        </Button>
+      )}
+      {drive.state === "ready" && (
         <Button
           component={Link}
           href={`/drives/${drive.id}/evaluation`}
