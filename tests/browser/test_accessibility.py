@@ -17,8 +17,6 @@ PAGES = {
     "/drives/1?frame=4": "Is it the same object in both pictures?|Nothing left to decide",
     "/drives/1?frame=4&tab=identities": "#",
     "/drives/1?tab=export": "Write all labels",
-    "/drives/1?view=queue": "To decide",
-    "/drives/1/summary": "in numbers",
     "/drives/1/evaluation": "How good the labels of|This drive has no truth",
 }
 
