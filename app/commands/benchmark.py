@@ -19,6 +19,7 @@ from labeler.detection import open_detector
 from labeler.drive import open_drive
 from labeler.evaluation.boxes_3d import BoxReport
 from labeler.evaluation.boxes_3d_cases import BoxFinder, judge_boxes
+from labeler.evaluation.label_benchmark import benchmark_labels
 from labeler.evaluation.made_up import MadeUp, made_up_labels, write_made_up_drive
 from labeler.evaluation.types import EvaluationConfig
 from labeler.pipeline import SilentProgress
@@ -133,3 +134,27 @@ def evaluate(
         return
     images = frames * cameras
     say(f"{seconds:.2f} s to evaluate {images} images with {objects} labels each ({found['truth_count']} true boxes)")
+
+
+@benchmark.command()
+def labels(
+    root: Annotated[
+        Path,
+        typer.Option(help="Folder with label_02, calib and det_* of KITTI tracking sequences.", show_default=False),
+    ],
+    detections: Annotated[
+        str | None, typer.Option(help="Name of the folder of detections. (default: the only one)", show_default=False)
+    ] = None,
+    passes: Annotated[bool, typer.Option("--passes", help="Add a row for each pass, to show what it adds.")] = False,
+    as_json: AsJson = False,
+) -> None:
+    """Compare labels without tracking, by the paper's method and by ours, on recorded detections with truth."""
+    rows = benchmark_labels(root, detections=detections, passes=passes)
+    if as_json:
+        typer.echo(json.dumps({"rows": rows}))
+        return
+    titles = ("P@.25", "R@.25", "R>40m", "P@.5", "R@.5", "HOTA", "MOTA", "IDF1")
+    say(f"{'labels':20} " + " ".join(f"{title:>6}" for title in titles))
+    for row in rows:
+        shares = (row["p25"], row["r25"], row["r25_far"], row["p50"], row["r50"], row["hota"], row["mota"], row["idf1"])
+        say(f"{row['method']:20} " + " ".join(f"{'-':>6}" if one is None else f"{one:6.3f}" for one in shares))

@@ -1,13 +1,14 @@
 """``hindsight label``: label a drive, and put the result where ``hindsight serve`` shows it."""
 
 import json
+from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from app.commands.options import AsJson, DriveFolder, InputSize, ModelName, SceneName, WorkspaceFolder
+from app.commands.options import AsJson, DriveFolder, InputSize, ModelName, SceneName, TrackerName, WorkspaceFolder
 from app.commands.terminal import TerminalProgress, say
 from app.db.engine import migrate, open_engine
 from app.db.session import Store
@@ -21,6 +22,7 @@ from labeler.drive import Drive, is_simulated, open_drive
 from labeler.errors import HindsightError
 from labeler.evaluation.merges import score_merges
 from labeler.pipeline import Executor, LabelledDrive, LabelSettings, Progress, Summary, label_drive, open_executor
+from labeler.tracking import TrackingConfig
 
 
 class ExecutorName(StrEnum):
@@ -36,6 +38,7 @@ def label(
     scene: SceneName = None,
     workspace: WorkspaceFolder = None,
     input_size: InputSize = None,
+    tracker: TrackerName = None,
     executor: Annotated[
         ExecutorName, typer.Option(help="Worker processes on all cores, or one thing after the other in one process.")
     ] = ExecutorName.PROCESSES,
@@ -47,13 +50,21 @@ def label(
     """Label a recorded drive. Stop it with Ctrl-C at any time; the same command goes on from there."""
     settings = load_settings(workspace=workspace, model=model)
     with open_executor(executor.value, workers=workers) as open_workers:
-        summary = label_into_store(settings, drive, scene=scene, input_size=input_size, executor=open_workers)
+        summary = label_into_store(
+            settings, drive, scene=scene, input_size=input_size, tracker=tracker, executor=open_workers
+        )
     if as_json:
         typer.echo(json.dumps(summary))
 
 
 def label_into_store(
-    settings: Settings, folder: Path, *, scene: str | None, input_size: int | None, executor: Executor
+    settings: Settings,
+    folder: Path,
+    *,
+    scene: str | None,
+    input_size: int | None,
+    tracker: str | None = None,
+    executor: Executor,
 ) -> Summary:
     """Label the drive in a folder, take the result into the store, and say on standard error what came out."""
     recorded = open_drive(folder, scene=scene)
@@ -70,7 +81,7 @@ def label_into_store(
             model=detector.path,
             segmentation=segmentation,
             workspace=settings.workspace,
-            settings=label_settings(input_size),
+            settings=label_settings(input_size, tracker),
             executor=executor,
             progress=progress,
         )
@@ -98,12 +109,17 @@ def store_labels(
     engine.dispose()
 
 
-def label_settings(input_size: int | None) -> LabelSettings:
-    """The default settings, with the input size where one is given. HindsightError when it is out of range."""
+def label_settings(input_size: int | None, tracker: str | None = None) -> LabelSettings:
+    """The default settings, with the input size and the tracker where they are given.
+
+    HindsightError when the input size is out of range or there is no such tracker."""
+    settings = LabelSettings()
+    if tracker is not None:
+        settings = replace(settings, tracking=TrackingConfig(method=tracker))
     if input_size is None:
-        return LabelSettings()
+        return settings
     try:
-        return LabelSettings(detection=DetectionConfig(input_long_side_px=input_size))
+        return replace(settings, detection=DetectionConfig(input_long_side_px=input_size))
     except ValueError as error:
         raise HindsightError(f"--input-size {input_size} can't be used: {error}.") from error
 

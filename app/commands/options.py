@@ -45,6 +45,15 @@ InputSize = Annotated[
         show_default=False,
     ),
 ]
+TrackerName = Annotated[
+    str | None,
+    typer.Option(
+        "--tracker",
+        help="How objects are followed: offline knows the future, two_stage does not, baseline is the paper's own "
+        "variant. (default: offline)",
+        show_default=False,
+    ),
+]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object on standard output.")]
 Port = Annotated[
     int | None,

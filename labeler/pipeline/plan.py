@@ -158,10 +158,13 @@ def donor_unit(tracks: Mapping[str, Path], identities: Path, config: Propagation
     return DonorUnit(key_of(config, _names(tracks), identities.name), tracks, identities, config)
 
 
-def label_units(tracks: Mapping[str, Path], identities: Path, donors: Path) -> list[LabelUnit]:
+def label_units(
+    tracks: Mapping[str, Path], identities: Path, donors: Path, config: PropagationConfig
+) -> list[LabelUnit]:
     """A unit for each camera."""
     return [
-        LabelUnit(key_of(path.name, identities.name, donors.name), path, identities, donors) for path in tracks.values()
+        LabelUnit(key_of(path.name, identities.name, donors.name), path, identities, donors, config)
+        for path in tracks.values()
     ]
 
 

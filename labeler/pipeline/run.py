@@ -140,7 +140,9 @@ def _run_stages(run: _Run, drive: Drive, model: Path, segmentation: Path | None,
 
     identities = run.stage(IDENTITY, [plan.identity_unit(tracks, boxes_3d, classes, settings.identity)])[0]
     donors = run.stage(DONORS, [plan.donor_unit(tracks, identities, settings.propagation)])[0]
-    labels = dict(zip(tracks, run.stage(LABELS, plan.label_units(tracks, identities, donors)), strict=True))
+    labels = dict(
+        zip(tracks, run.stage(LABELS, plan.label_units(tracks, identities, donors, settings.propagation)), strict=True)
+    )
     return _Results(
         classes.names,
         detected.detector_seconds,

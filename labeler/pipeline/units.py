@@ -81,6 +81,7 @@ class LabelUnit:
     tracks: Path
     identities: Path
     donors: Path
+    config: PropagationConfig
     effort: int = 0
 
 
@@ -110,13 +111,14 @@ def label_camera(unit: LabelUnit, path: Path) -> None:
     identity_of = read_identities(unit.identities).identity_of
     donors = read_donors(unit.donors).of_identity
     batches = (rows_of(Observations, columns) for columns in read_batches(unit.tracks))
-    write_table(path, (columns_of(label_observations(batch, identity_of, donors)) for batch in batches))
+    labels = (label_observations(batch, identity_of, donors, config=unit.config) for batch in batches)
+    write_table(path, (columns_of(batch) for batch in labels))
 
 
-TRACK = Stage("track", 1, "arrow", track)
+TRACK = Stage("track", 2, "arrow", track)
 IDENTITY = Stage("identity", 1, "json", find_identities)
 DONORS = Stage("donors", 1, "json", choose_donors)
-LABELS = Stage("labels", 1, "arrow", label_camera)
+LABELS = Stage("labels", 2, "arrow", label_camera)
 
 
 def read_identities(path: Path) -> Merges:

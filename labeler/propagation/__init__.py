@@ -3,7 +3,7 @@
 from labeler.propagation.best_observation import find_donors, label_observations
 from labeler.propagation.config import PropagationConfig
 from labeler.propagation.errors import PropagationError
-from labeler.propagation.types import Donor, Labels, LabelSource
+from labeler.propagation.types import Donor, Labels, LabelSource, Withheld
 
 __all__ = [
     "Donor",
@@ -11,6 +11,7 @@ __all__ = [
     "Labels",
     "PropagationConfig",
     "PropagationError",
+    "Withheld",
     "find_donors",
     "label_observations",
 ]

@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labeler.propagation.config import PropagationConfig
-from labeler.propagation.types import Donor, Labels
+from labeler.propagation.purity import withhold
+from labeler.propagation.types import Donor, Labels, Withheld
 from labeler.tracking.types import Observations
 
 _Scalar = TypeVar("_Scalar", bound=np.generic)
@@ -55,17 +56,23 @@ def find_donors(
 
 
 def label_observations(
-    observations: Observations, identity_of: Mapping[int, int], donors: Mapping[int, Donor]
+    observations: Observations,
+    identity_of: Mapping[int, int],
+    donors: Mapping[int, Donor],
+    *,
+    config: PropagationConfig | None = None,
 ) -> Labels:
     """Second pass: the label of each observation, row by row, from the donor of its identity.
 
-    ``identity_of`` and ``donors`` as in :func:`find_donors`. Where the identity has no donor an observation keeps its
-    own class and score (NaN where it has none), and names itself as the donor.
+    ``identity_of`` and ``donors`` as in :func:`find_donors`. Where the identity has no donor, or the label is withheld
+    from it (:mod:`labeler.propagation.purity`), an observation keeps its own class and score (NaN where it has none),
+    and names itself as the donor.
     """
+    withheld = withhold(observations, config or PropagationConfig())
     identity = _identities(observations.track_id, identity_of)
     found, inverse = np.unique(identity, return_inverse=True)
     given = [donors.get(identity_id) for identity_id in found.tolist()]
-    has_donor = np.array([donor is not None for donor in given], np.bool_)[inverse]
+    has_donor = np.array([donor is not None for donor in given], np.bool_)[inverse] & (withheld == Withheld.NO)
 
     def from_donor(own: NDArray[_Scalar], of_donors: list[float]) -> NDArray[_Scalar]:
         filled = own.copy()
@@ -84,6 +91,7 @@ def label_observations(
         donor_track_id=donor_track_id,
         donor_frame_index=donor_frame_index,
         propagated=~own,
+        withheld=withheld,
     )
 
 

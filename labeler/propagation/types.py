@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from enum import StrEnum
+from dataclasses import dataclass, field
+from enum import IntEnum, StrEnum
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,16 @@ class LabelSource(StrEnum):
     AUTO = "auto"
     PROPAGATED = "propagated"
     HUMAN = "human"
+
+
+class Withheld(IntEnum):
+    """Why an observation did not get its identity's label."""
+
+    NO = 0
+    """It did, or there is no donor."""
+
+    DOUBTFUL_BOX = 1
+    """Its box probably shows something else than the track's object, or too little of it."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +45,7 @@ class Labels:
     ``track_id``, ``frame_index`` (N,) int32 name the observation; ``identity_id`` (N,) int32 its identity (the smallest
     track id in it); ``class_id`` (N,) int16 and ``score`` (N,) float32 are the label; ``donor_track_id``,
     ``donor_frame_index`` (N,) int32 name the observation it was taken from; ``propagated`` (N,) bool is False where an
-    observation is its own donor.
+    observation is its own donor; ``withheld`` (N,) uint8 is a :class:`Withheld`, NO where it is left out.
     """
 
     track_id: NDArray[np.int32]
@@ -46,6 +56,11 @@ class Labels:
     donor_track_id: NDArray[np.int32]
     donor_frame_index: NDArray[np.int32]
     propagated: NDArray[np.bool_]
+    withheld: NDArray[np.uint8] = field(default_factory=lambda: np.zeros(0, np.uint8))
+
+    def __post_init__(self) -> None:
+        if len(self.withheld) != len(self.track_id):
+            object.__setattr__(self, "withheld", np.full(len(self.track_id), Withheld.NO, np.uint8))
 
     def __len__(self) -> int:
         return len(self.track_id)

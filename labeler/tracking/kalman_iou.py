@@ -17,11 +17,9 @@ from numpy.typing import NDArray
 from labeler.detection.types import Detections
 from labeler.tracking.association import associate
 from labeler.tracking.config import TrackingConfig
-from labeler.tracking.errors import TrackingError
+from labeler.tracking.frames import NS_PER_S, check_order, groups_of, sound_rows
 from labeler.tracking.motion import BoxMotion, TimeStep
 from labeler.tracking.types import DetectedFrame, Observations
-
-_NS_PER_S = 1_000_000_000
 
 
 @dataclass(eq=False)
@@ -81,29 +79,19 @@ class KalmanIouTracker:
             previous = frame
 
     def _without_ended(self, live: list[_Track], timestamp_ns: int) -> list[_Track]:
-        max_coast_ns = round(self._config.max_coast_s * _NS_PER_S)
+        max_coast_ns = round(self._config.max_coast_s * NS_PER_S)
         return [track for track in live if timestamp_ns - track.last_seen_ns <= max_coast_ns]
 
     def _usable_rows(self, detections: Detections) -> NDArray[np.intp]:
         """Rows that may feed a track; counts those that are broken."""
-        xyxy = detections.xyxy_px
-        with np.errstate(invalid="ignore"):
-            sound = np.isfinite(detections.score) & np.isfinite(xyxy).all(axis=1)
-            sound &= (xyxy[:, 2:] > xyxy[:, :2]).all(axis=1)
-            self.rejected_count += int(np.count_nonzero(~sound))
-            return np.flatnonzero(sound & (detections.score >= self._config.min_score))
+        sound = sound_rows(detections)
+        self.rejected_count += len(detections) - len(sound)
+        return sound[detections.score[sound] >= self._config.min_score]
 
     def _groups_of(self, frame: DetectedFrame, usable: NDArray[np.intp]) -> NDArray[np.int64]:
         """(N,) group of each detection; -1 in rows that are not used."""
-        class_id = frame.detections.class_id[usable]
-        unknown = class_id[(class_id < 0) | (class_id >= len(self._class_groups))]
-        if len(unknown):
-            raise TrackingError(
-                f"Frame {frame.frame_index} has a detection of class {unknown[0]}, but the tracker knows the groups of "
-                f"{len(self._class_groups)} classes only. Give it a group for every class of the detector."
-            )
         groups = np.full(len(frame.detections), -1, np.int64)
-        groups[usable] = self._class_groups[class_id]
+        groups[usable] = groups_of(frame, usable, self._class_groups)
         return groups
 
     def _assign(
@@ -136,14 +124,8 @@ class KalmanIouTracker:
 
 
 def _seconds_since(previous: DetectedFrame | None, frame: DetectedFrame) -> float:
-    if previous is None:
-        return 0.0
-    if frame.frame_index <= previous.frame_index or frame.timestamp_ns < previous.timestamp_ns:
-        raise TrackingError(
-            f"Frame {frame.frame_index} at {frame.timestamp_ns} ns came after frame {previous.frame_index} at "
-            f"{previous.timestamp_ns} ns. A tracker needs the frames of one camera in order of time: sort them first."
-        )
-    return (frame.timestamp_ns - previous.timestamp_ns) / _NS_PER_S
+    check_order(previous, frame)
+    return 0.0 if previous is None else (frame.timestamp_ns - previous.timestamp_ns) / NS_PER_S
 
 
 def _observations(frame: DetectedFrame, fed: dict[int, _Track]) -> Observations:

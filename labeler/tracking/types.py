@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
@@ -30,7 +30,8 @@ class Observations:
     ``track_id`` (N,) int32, unique in the drive; ``frame_index`` (N,) int32; ``xyxy_px`` (N, 4) float32 in pixels;
     ``score`` (N,) float32 and ``class_id`` (N,) int16 as the detector said them; ``detection_index`` (N,) int32 is the
     row in the Detections of that camera and frame that fed this observation, or NO_DETECTION where the tracker filled
-    the box in (then score is NaN).
+    the box in (then score is NaN). ``trust`` (N,) float32 in 0..1 is how likely the box shows the object that the track
+    is of; 1 where the tracker does not judge, and where it is left out.
     """
 
     track_id: NDArray[np.int32]
@@ -39,10 +40,13 @@ class Observations:
     score: NDArray[np.float32]
     class_id: NDArray[np.int16]
     detection_index: NDArray[np.int32]
+    trust: NDArray[np.float32] = field(default_factory=lambda: np.zeros(0, np.float32))
 
     def __post_init__(self) -> None:
         count = len(self.track_id)
-        for name in ("frame_index", "score", "class_id", "detection_index"):
+        if count and len(self.trust) == 0:
+            object.__setattr__(self, "trust", np.ones(count, np.float32))
+        for name in ("frame_index", "score", "class_id", "detection_index", "trust"):
             if getattr(self, name).shape != (count,):
                 raise ValueError(f"Observations.{name} must have shape ({count},), got {getattr(self, name).shape}")
         if self.xyxy_px.shape != (count, 4):
@@ -59,6 +63,7 @@ class Observations:
             self.score[rows],
             self.class_id[rows],
             self.detection_index[rows],
+            self.trust[rows],
         )
 
     @staticmethod

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from labeler.propagation import Donor, PropagationConfig, find_donors, label_observations
@@ -98,6 +98,7 @@ def test_nothing_to_label() -> None:
 row = st.tuples(st.integers(0, 4), st.integers(0, 4), st.sampled_from([0.25, 0.5, 0.75, np.nan]), st.integers(0, 3))
 
 
+@settings(deadline=None)
 @given(
     st.lists(row, max_size=20, unique_by=lambda r: (r[0], r[1])),
     st.dictionaries(st.integers(0, 4), st.integers(0, 4)),

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from labeler.tracking import TrackingConfig
@@ -48,6 +48,7 @@ def test_a_shrinking_box_keeps_a_pixel() -> None:
     assert (x2 - x1, y2 - y1) == pytest.approx((1, 1))
 
 
+@settings(deadline=None)
 @given(st.lists(st.floats(0.001, 0.5), min_size=1, max_size=8), st.floats(-50, 50))
 def test_many_short_steps_are_one_long_step(steps: list[float], move_px: float) -> None:
     """The noise depends on time alone, so what happens later is the same however the time between was cut.

@@ -1,0 +1,272 @@
+"""Tracking in a recording: what comes later is known, so each track is mended by it before it is given out.
+
+Forward, sure detections begin tracks and weak ones continue them (:mod:`labeler.tracking.two_stage`); what is left
+over may form weak tracks of its own, which never take a detection from a sure one. Then, over a window of frames: sure
+tracks are followed back from their beginning, fragments of one object are stitched, each track is smoothed, short gaps
+are filled, boxes are refined by the smooth path, and each box is judged (:mod:`labeler.tracking.trust`).
+
+A window reaches over ``look_ahead_s`` of the future and as much of the past of the frames that are given out, so memory
+does not grow with the length of the drive. What was decided about a track holds for the windows that follow.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import count
+
+import numpy as np
+from numpy.typing import NDArray
+
+from labeler.tracking.config import TrackingConfig
+from labeler.tracking.extension import extend_back
+from labeler.tracking.frames import NS_PER_S, check_order, groups_of, sound_rows
+from labeler.tracking.smoothing import Paths, TrackBoxes, smooth
+from labeler.tracking.stitching import find_continuations, overlap_of_rows
+from labeler.tracking.trust import JudgedBoxes, features_of, trust_of
+from labeler.tracking.two_stage import LiveTracks
+from labeler.tracking.types import NO_DETECTION, DetectedFrame, Observations
+from labeler.tracking.window import NO_TRACK, TrackedFrame, Window
+
+Judge = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+
+_FRAMES_AT_ONCE = 200
+"""Frames that are given out together: more would wait for no better answer, fewer would do more twice."""
+
+_LEAST_SCORE = 0.05
+_NOISE_POWER = 4
+_MOST_NOISE = 1000.0
+
+
+class OfflineTracker:
+    """Follows objects through the recorded images of one camera; see the module for the method.
+
+    ``class_groups[class_id]`` is a number; a track holds only classes of one number. ``rejected_count`` counts
+    detections that could not be used: score or box not finite, or a box without area. ``judge`` gives the trust (N,)
+    of boxes from their features (N, F), see :mod:`labeler.tracking.trust`.
+    """
+
+    def __init__(self, config: TrackingConfig, *, class_groups: Sequence[int], judge: Judge = trust_of) -> None:
+        self._config = config
+        self._class_groups = np.asarray(class_groups, np.int64)
+        self._judge = judge
+        self.rejected_count = 0
+
+    def track(self, frames: Iterable[DetectedFrame], *, first_track_id: int) -> Iterator[Observations]:
+        """One Observations for each frame, also where it is empty: rows by ``detection_index``, then those that were
+        filled in.
+
+        Raises TrackingError where frames come out of order (equal timestamps are taken as no time passing) or a class
+        id has no group.
+        """
+        mending = _Mending(self._config, self._judge)
+        for frame in self._track_forward(frames, first_track_id):
+            mending.add(frame)
+            while mending.is_ready():
+                yield from mending.give_out(_FRAMES_AT_ONCE)
+        yield from mending.give_out(mending.waiting)
+
+    def _track_forward(self, frames: Iterable[DetectedFrame], first_track_id: int) -> Iterator[TrackedFrame]:
+        new_ids = count(first_track_id)
+        sure = LiveTracks(self._config, new_ids)
+        weak = LiveTracks(replace(self._config, sure_score=self._config.birth_score), new_ids)
+        previous: DetectedFrame | None = None
+        for frame in frames:
+            check_order(previous, frame)
+            previous = frame
+            sound = sound_rows(frame.detections)
+            self.rejected_count += len(frame.detections) - len(sound)
+            rows = sound[frame.detections.score[sound] >= self._config.min_score]
+            group = groups_of(frame, rows, self._class_groups)
+            boxes, score = frame.detections.xyxy_px[rows].astype(np.float64), frame.detections.score[rows]
+            sure.move_to(frame.timestamp_ns)
+            weak.move_to(frame.timestamp_ns)
+            track_id = sure.feed(boxes, score, group)
+            left = np.flatnonzero(track_id == NO_TRACK)
+            is_weak = np.zeros(len(rows), np.bool_)
+            if len(left) or len(weak.track_id):
+                track_id[left] = weak.feed(boxes[left], score[left], group[left])
+                is_weak[left] = True
+            yield TrackedFrame(frame, rows, group, track_id, is_weak)
+
+
+class _Mending:
+    """The window: frames that were given out and are still looked at, and those that wait."""
+
+    def __init__(self, config: TrackingConfig, judge: Judge) -> None:
+        self._config = config
+        self._judge = judge
+        self._look_ns = round(config.look_ahead_s * NS_PER_S)
+        self._frames: list[TrackedFrame] = []
+        self._given_out = 0
+        self._renamed: dict[int, int] = {}
+
+    def add(self, frame: TrackedFrame) -> None:
+        self._frames.append(frame)
+
+    @property
+    def waiting(self) -> int:
+        return len(self._frames) - self._given_out
+
+    def is_ready(self) -> bool:
+        """Whether as many frames as are given out together wait, and enough of their future is known."""
+        if self.waiting <= _FRAMES_AT_ONCE:
+            return False
+        last = self._frames[self._given_out + _FRAMES_AT_ONCE - 1].frame
+        known_ns = self._frames[-1].frame.timestamp_ns - last.timestamp_ns
+        return known_ns >= self._look_ns or self.waiting >= 4 * _FRAMES_AT_ONCE
+
+    def give_out(self, frame_count: int) -> Iterator[Observations]:
+        """Mend the window, and give out the frames that have waited longest."""
+        if frame_count == 0:
+            return
+        mended = self._mend(Window.of(self._frames), self._given_out)
+        stop = self._given_out + frame_count
+        for frame in range(self._given_out, stop):
+            yield mended.observations(frame, self._frames[frame].frame.frame_index)
+        self._given_out = stop
+        self._forget()
+
+    def _mend(self, window: Window, first_frame: int) -> _Mended:
+        """The passes, in order. Frames before ``first_frame`` were given out: no detection there changes its track."""
+        config = self._config
+        window = window.with_tracks(self._current_ids(window.track_id))
+        tracks = _Tracks.of(window)
+        paths = smooth(tracks.boxes, window.time_s, config)
+        if config.follow_back:
+            window = self._followed_back(window, tracks, paths, first_frame)
+            tracks = _Tracks.of(window)
+            paths = smooth(tracks.boxes, window.time_s, config)
+        before = find_continuations(paths, tracks.group, tracks.are_sure(window), window.time_s, config)
+        joined = np.flatnonzero(before != np.arange(len(before)))
+        if len(joined):
+            self._renamed.update(zip(tracks.ids[joined].tolist(), tracks.ids[before[joined]].tolist(), strict=True))
+            window = window.with_tracks(self._current_ids(window.track_id))
+            tracks = _Tracks.of(window)
+            paths = smooth(tracks.boxes, window.time_s, config)
+        return _Mended.of(window, tracks, paths, config, self._judge)
+
+    def _followed_back(self, window: Window, tracks: _Tracks, paths: Paths, first_frame: int) -> Window:
+        """Only sure tracks are followed; they may take what is left over and what weak tracks have."""
+        sure = tracks.are_sure(window)
+        free = np.where(window.is_weak, np.int32(NO_TRACK), window.track_id)
+        of_sure = paths[sure[paths.track]]
+        rows, track = extend_back(
+            window.with_tracks(free), of_sure, tracks.group, self._config, first_frame=first_frame
+        )
+        track_id = window.track_id.copy()
+        track_id[rows] = tracks.ids[track]
+        is_weak = window.is_weak.copy()
+        is_weak[rows] = False
+        return replace(window, track_id=track_id, is_weak=is_weak)
+
+    def _current_ids(self, track_id: NDArray[np.int32]) -> NDArray[np.int32]:
+        if not self._renamed:
+            return track_id
+        ids, inverse = np.unique(track_id, return_inverse=True)
+        return np.array([self._renamed.get(one, one) for one in ids.tolist()], np.int32)[inverse]
+
+    def _forget(self) -> None:
+        """Drop frames that are too far in the past to matter, and names that no frame has any more."""
+        if self._given_out == 0:
+            return
+        latest_ns = self._frames[self._given_out - 1].frame.timestamp_ns
+        keep_from = max(0, self._given_out - _FRAMES_AT_ONCE)
+        while keep_from < self._given_out and self._frames[keep_from].frame.timestamp_ns < latest_ns - self._look_ns:
+            keep_from += 1
+        del self._frames[:keep_from]
+        self._given_out -= keep_from
+        alive = {track for frame in self._frames for track in frame.track_id.tolist()}
+        self._renamed = {track: name for track, name in self._renamed.items() if track in alive}
+
+
+@dataclass(frozen=True, eq=False)
+class _Tracks:
+    """The tracks of a window by number: ``ids`` (T,), ``group`` (T,), their ``boxes``, and the ``rows`` (N,) of the
+    window that these are."""
+
+    ids: NDArray[np.int32]
+    group: NDArray[np.int64]
+    boxes: TrackBoxes
+    rows: NDArray[np.intp]
+
+    @staticmethod
+    def of(window: Window) -> _Tracks:
+        rows = np.flatnonzero(window.track_id != NO_TRACK)
+        rows = rows[np.lexsort((-window.score[rows], window.frame[rows], window.track_id[rows]))]
+        ids, first, track = np.unique(window.track_id[rows], return_index=True, return_inverse=True)
+        best = np.zeros(len(ids))
+        np.maximum.at(best, track, window.score[rows])
+        noise = (best[track] / np.maximum(window.score[rows], _LEAST_SCORE)) ** _NOISE_POWER
+        boxes = TrackBoxes(
+            track.astype(np.int64), window.frame[rows], window.xyxy_px[rows], np.clip(noise, 1.0, _MOST_NOISE)
+        )
+        return _Tracks(ids, window.group[rows][first], boxes, rows)
+
+    def are_sure(self, window: Window) -> NDArray[np.bool_]:
+        """(T,) whether a track has a sure detection."""
+        sure = np.zeros(len(self.ids), np.bool_)
+        sure[self.boxes.track[~window.is_weak[self.rows]]] = True
+        return sure
+
+
+@dataclass(frozen=True, eq=False)
+class _Mended:
+    """What the passes found, a row for each observation, by frame; ``start`` (F + 1,) is where each frame begins."""
+
+    start: NDArray[np.intp]
+    observations_of_all: Observations
+
+    @staticmethod
+    def of(window: Window, tracks: _Tracks, paths: Paths, config: TrackingConfig, judge: Judge) -> _Mended:
+        steps = len(window.time_s) + 1
+        at = np.searchsorted(paths.track * steps + paths.frame, tracks.boxes.track * steps + tracks.boxes.frame)
+        seen = np.full(len(paths.track), NO_DETECTION, np.intp)
+        seen[at] = tracks.rows
+        boxes = paths.xyxy_px
+        on_path = np.zeros(len(seen))
+        on_path[at] = overlap_of_rows(boxes[at], tracks.boxes.xyxy_px)
+        if not config.refine:
+            boxes[at] = tracks.boxes.xyxy_px
+        kept = (seen != NO_DETECTION) | _in_short_gap(seen, paths, window.time_s, config.max_gap_s)
+        seen, track, frame, boxes = seen[kept], paths.track[kept], paths.frame[kept], boxes[kept]
+        is_seen = seen != NO_DETECTION
+        score = np.full(len(seen), np.nan)
+        score[is_seen] = window.score[seen[is_seen]]
+        judged = JudgedBoxes(track, frame, window.time_s[frame], score, on_path[kept], boxes)
+        index = np.full(len(seen), NO_DETECTION, np.intp)
+        index[is_seen] = window.row[seen[is_seen]]
+        order = np.lexsort((track, index, ~is_seen, frame))
+        observations = Observations(
+            track_id=tracks.ids[track][order],
+            frame_index=frame[order].astype(np.int32),
+            xyxy_px=boxes[order].astype(np.float32),
+            score=score[order].astype(np.float32),
+            class_id=window.class_id[_last_seen(seen, is_seen)][order],
+            detection_index=index[order].astype(np.int32),
+            trust=judge(features_of(judged))[order].astype(np.float32),
+        )
+        return _Mended(np.searchsorted(frame[order], np.arange(steps)), observations)
+
+    def observations(self, frame: int, frame_index: int) -> Observations:
+        rows = self.observations_of_all[slice(int(self.start[frame]), int(self.start[frame + 1]))]
+        return replace(rows, frame_index=np.full(len(rows), frame_index, np.int32))
+
+
+def _in_short_gap(
+    seen: NDArray[np.intp], paths: Paths, time_s: NDArray[np.float64], max_gap_s: float
+) -> NDArray[np.bool_]:
+    """(R,) whether the time between the detections before and after a row of a path is short enough to fill it in.
+
+    A path begins and ends with a detection, so the last one before and the next one after are of the same track."""
+    place = np.arange(len(seen))
+    is_seen = seen != NO_DETECTION
+    before = np.maximum.accumulate(np.where(is_seen, place, 0))
+    after = np.minimum.accumulate(np.where(is_seen, place, len(seen) - 1)[::-1])[::-1]
+    unseen_s = time_s[paths.frame[after]] - time_s[paths.frame[before]]
+    return unseen_s <= max_gap_s * (1 + 1e-9)
+
+
+def _last_seen(seen: NDArray[np.intp], is_seen: NDArray[np.bool_]) -> NDArray[np.intp]:
+    """(R,) the detection of each row, where there is none that of the last row with one: a path begins with one."""
+    return seen[np.maximum.accumulate(np.where(is_seen, np.arange(len(is_seen)), 0))]

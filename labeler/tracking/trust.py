@@ -1,0 +1,101 @@
+"""How likely a box shows the object that its track is of: not a loose box, another object, or nothing.
+
+A logistic model of a few features that mean the same for any detector, camera and frame rate: seconds, ratios and
+overlaps, no pixels and no scores as such. Its weights were fitted on real drives with truth by
+:mod:`labeler.evaluation.trust_fit`, which also tells how it does on drives that it was not fitted on.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from labeler.geometry.boxes_2d import area, intersection_matrix
+
+_Array = NDArray[np.float64]
+
+FEATURES = ("relative_score", "filled", "on_path", "since_sure", "length", "covered", "narrow", "flat")
+"""In order: the score as a share of the track's best (0 if filled in); 1 if filled in; IoU of the detected box with the
+smooth one (0 if filled in); log of 1 plus tenths of a second to the track's nearest sure detection, one with at least
+nine tenths of its best score; log of 1 plus the track's length in seconds; the largest share of the box that a box of
+another track covers; how much taller than wide the box is, and how much flatter than 1 to e (both in logs)."""
+
+WEIGHTS = (2.22, 3.6, 2.422, -0.997, 1.429, -3.238, -4.113, -5.637)
+BIAS = -2.247
+
+_LEAST_SHARE_OF_BEST = 0.9
+_LONGEST_S = 10.0
+
+
+@dataclass(frozen=True, eq=False)
+class JudgedBoxes:
+    """Boxes of tracks to judge, a row each, by ``track``, then ``time_s`` (N,).
+
+    ``frame`` (N,) tells which are in one image; ``score`` (N,) is NaN and ``on_path`` (N,) 0 where a box was filled in;
+    ``xyxy_px`` (N, 4)."""
+
+    track: NDArray[np.int64]
+    frame: NDArray[np.int64]
+    time_s: _Array
+    score: _Array
+    on_path: _Array
+    xyxy_px: _Array
+
+
+def features_of(boxes: JudgedBoxes) -> _Array:
+    """(N, F) the FEATURES of each box."""
+    if len(boxes.track) == 0:
+        return np.zeros((0, len(FEATURES)))
+    filled = np.isnan(boxes.score)
+    score = np.where(filled, 0.0, boxes.score)
+    starts = np.flatnonzero(np.diff(boxes.track, prepend=-1))
+    place = np.repeat(np.arange(len(starts)), np.diff(np.append(starts, len(score))))
+    best = np.maximum.reduceat(score, starts)[place]
+    length_s = (np.maximum.reduceat(boxes.time_s, starts) - boxes.time_s[starts])[place]
+    sides = np.maximum(boxes.xyxy_px[:, 2:] - boxes.xyxy_px[:, :2], 1.0)
+    log_aspect = np.log(sides[:, 0] / sides[:, 1])
+    columns = (
+        np.divide(score, best, out=np.zeros(len(score)), where=best > 0),
+        filled.astype(np.float64),
+        boxes.on_path,
+        np.log1p(10 * _time_to_nearest(boxes, place, score >= _LEAST_SHARE_OF_BEST * best)),
+        np.log1p(np.minimum(length_s, _LONGEST_S)),
+        _covered_shares(boxes),
+        np.maximum(0.0, -log_aspect),
+        np.maximum(0.0, log_aspect - 1.0),
+    )
+    return np.stack(columns, axis=1)
+
+
+def trust_of(features: _Array) -> _Array:
+    """(N,) probability for each row of FEATURES (N, F)."""
+    return 1 / (1 + np.exp(-(features @ np.array(WEIGHTS) + BIAS)))
+
+
+def _time_to_nearest(boxes: JudgedBoxes, place: NDArray[np.intp], sure: NDArray[np.bool_]) -> _Array:
+    """(N,) seconds to the nearest sure row of the same track; each track has one, that of its best score."""
+    row = np.arange(len(sure))
+    before = np.maximum.accumulate(np.where(sure, row, -1))
+    after = np.minimum.accumulate(np.where(sure, row, len(sure))[::-1])[::-1]
+    nearest = np.full(len(sure), np.inf)
+    for other, exists in ((before, before >= 0), (after, after < len(sure))):
+        other = np.where(exists, other, 0)
+        same = exists & (place[other] == place)
+        nearest = np.where(same, np.minimum(nearest, np.abs(boxes.time_s - boxes.time_s[other])), nearest)
+    return nearest
+
+
+def _covered_shares(boxes: JudgedBoxes) -> _Array:
+    """(N,) the largest share of each box that one of another track covers in the same image."""
+    covered = np.zeros(len(boxes.frame))
+    order = np.argsort(boxes.frame, kind="stable")
+    for rows in np.split(order, np.flatnonzero(np.diff(boxes.frame[order])) + 1):
+        xyxy_px = boxes.xyxy_px[rows]
+        for part in np.array_split(np.arange(len(rows)), 1 + len(rows) ** 2 // 1_000_000):
+            shared = intersection_matrix(xyxy_px[part], xyxy_px)
+            shared[np.arange(len(part)), part] = 0
+            own = np.maximum(area(xyxy_px[part]), 1e-9)
+            covered[rows[part]] = shared.max(axis=1, initial=0) / own
+    return np.minimum(covered, 1.0)

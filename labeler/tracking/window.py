@@ -1,0 +1,73 @@
+"""A stretch of one camera's frames with the track of every detection, as flat arrays that offline passes work on."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from labeler.tracking.frames import NS_PER_S
+from labeler.tracking.types import DetectedFrame
+
+NO_TRACK = -1
+
+
+@dataclass(frozen=True, eq=False)
+class TrackedFrame:
+    """A frame, the rows (M,) of its detections that can be used, their groups, the track of each or NO_TRACK, and
+    whether it is left over from the sure tracks."""
+
+    frame: DetectedFrame
+    rows: NDArray[np.intp]
+    group: NDArray[np.int64]
+    track_id: NDArray[np.int32]
+    is_weak: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class Window:
+    """F frames and their D usable detections, in order of frames.
+
+    ``time_s`` (F,) counts from the first frame, ``start`` (F + 1,) is where each frame's detections begin. Of each
+    detection: ``frame`` (D,) in the window, ``row`` (D,) in its frame, ``xyxy_px`` (D, 4) float64, ``score`` (D,),
+    ``class_id`` (D,), ``group`` (D,), ``track_id`` (D,) or NO_TRACK, and ``is_weak`` (D,): left
+    over from the sure tracks.
+    """
+
+    time_s: NDArray[np.float64]
+    start: NDArray[np.intp]
+    frame: NDArray[np.int64]
+    row: NDArray[np.intp]
+    xyxy_px: NDArray[np.float64]
+    score: NDArray[np.float64]
+    class_id: NDArray[np.int16]
+    group: NDArray[np.int64]
+    track_id: NDArray[np.int32]
+    is_weak: NDArray[np.bool_]
+
+    @staticmethod
+    def of(frames: Sequence[TrackedFrame]) -> Window:
+        counts = np.array([len(one.rows) for one in frames], np.intp)
+        first_ns = frames[0].frame.timestamp_ns
+        detections = [one.frame.detections for one in frames]
+        return Window(
+            time_s=np.array([one.frame.timestamp_ns - first_ns for one in frames], np.float64) / NS_PER_S,
+            start=np.concatenate([np.zeros(1, np.intp), np.cumsum(counts)]),
+            frame=np.repeat(np.arange(len(frames)), counts),
+            row=np.concatenate([one.rows for one in frames]),
+            xyxy_px=np.concatenate([of.xyxy_px[one.rows] for of, one in zip(detections, frames, strict=True)]).astype(
+                np.float64
+            ),
+            score=np.concatenate([of.score[one.rows] for of, one in zip(detections, frames, strict=True)]).astype(
+                np.float64
+            ),
+            class_id=np.concatenate([of.class_id[one.rows] for of, one in zip(detections, frames, strict=True)]),
+            group=np.concatenate([one.group for one in frames]),
+            track_id=np.concatenate([one.track_id for one in frames]),
+            is_weak=np.concatenate([one.is_weak for one in frames]),
+        )
+
+    def with_tracks(self, track_id: NDArray[np.int32]) -> Window:
+        return replace(self, track_id=track_id)
