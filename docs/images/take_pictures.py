@@ -20,6 +20,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 from tests.chromium import headless_chromium
 
 SIZE = {"width": 1600, "height": 1000}
+TIMEOUT_MS = 120_000
 
 
 def main(address: str) -> None:
@@ -29,6 +30,7 @@ def main(address: str) -> None:
     with headless_chromium() as browser:
         for scheme in ("dark", "light"):
             page = browser.new_page(viewport=SIZE, color_scheme=scheme)
+            page.set_default_timeout(TIMEOUT_MS)
             page.goto(f"{address}/drives/{drive['id']}")
             show_a_merge(page)
             page.screenshot(path=Path(__file__).with_name(f"review-{scheme}.png"))
@@ -37,9 +39,10 @@ def main(address: str) -> None:
 
 def show_a_merge(page: Page) -> None:
     """Open a proposed merge of the front and the left camera, and wait until pictures and the 3D view are there."""
+    page.get_by_role("button", name="Got it").click()
     page.get_by_role("button", name=re.compile("^front, .* left, ")).last.click()
-    expect(page.get_by_role("button", name="Accept").first).to_be_visible(timeout=30_000)
-    expect(page.frame_locator("iframe").locator("canvas").first).to_be_visible(timeout=60_000)
+    expect(page.get_by_role("button", name="Accept").first).to_be_visible(timeout=TIMEOUT_MS)
+    expect(page.frame_locator("iframe").locator("canvas").first).to_be_visible(timeout=TIMEOUT_MS)
     page.wait_for_timeout(12_000)  # neither pictures nor the 3D view say when they are drawn
 
 
