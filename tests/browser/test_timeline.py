@@ -55,6 +55,7 @@ def test_a_key_can_be_changed_and_conflicts_are_told(page: Page, small_review: s
     page.keyboard.press("n")
     expect(page.get_by_text("Frame 2 of 60")).to_be_visible()
 
+    expect(page).to_have_url(re.compile("frame=1$"))  # the address follows a moment later
     page.reload()
     expect(page.get_by_text("Frame 2 of 60")).to_be_visible()
     page.keyboard.press("Home")
