@@ -16,6 +16,7 @@ from app.commands.record_carla import record_carla
 from app.commands.serve import serve, worker
 from app.commands.simulate import simulate
 from app.commands.terminal import INTERRUPTED, say
+from app.commands.train import train
 from app.main import create_app
 from app.settings import Settings
 from labeler.errors import HindsightError
@@ -47,6 +48,7 @@ for command in (demo, label, evaluate, simulate, record_carla, serve, worker):
     main.command()(command)
 main.add_typer(models, name="models")
 main.add_typer(benchmark, name="benchmark")
+main.add_typer(train, name="train")
 
 
 @main.command()

@@ -1,0 +1,136 @@
+"""``hindsight train``: make the models that ship, from simulated drives, and measure them.
+
+Torch is loaded only where something is trained: it takes seconds, and is not there without the extra `training`."""
+
+import importlib
+import importlib.util
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.table import Table
+
+from app.commands.options import AsJson
+from app.commands.terminal import TerminalProgress, say, show_table
+from labeler.training.detector_validation import DetectorReport
+from labeler.training.drive_plan import simulate_planned
+from labeler.training.errors import TrainingError
+from labeler.training.pictures import find_drives
+from labeler.training.recipes import DETECTOR, SEGMENTATION, Recipe
+from labeler.training.segmentation_validation import SegmentationReport
+from labeler.training.validation import validate_model
+
+train = typer.Typer(
+    help="Train the models that ship, on simulated drives. Needs the extra `training`.", no_args_is_help=True
+)
+
+RunFolder = Annotated[
+    Path,
+    typer.Argument(
+        metavar="RUN", help="Folder for the checkpoint and the model; a run that was stopped goes on there.",
+        show_default=False,
+    ),
+]  # fmt: skip
+Drives = Annotated[
+    list[Path],
+    typer.Option(
+        "--drives", "-d", help="A drive, or a folder of drives; may be given several times.", show_default=False
+    ),
+]
+Seed = Annotated[int, typer.Option(min=0, help="The first weights and all examples follow from it.")]
+BatchSize = Annotated[int, typer.Option(min=1, help="Examples in a step.")]
+Workers = Annotated[int, typer.Option(min=1, help="Cores to use; they share the examples of a step.")]
+
+
+@train.command()
+def drives(
+    out: Annotated[
+        Path, typer.Argument(help="Folder of the drives; those that are there are left alone.", show_default=False)
+    ],
+    training: Annotated[int, typer.Option(min=0, help="How many drives to learn from.")] = 40,
+    validation: Annotated[int, typer.Option(min=0, help="How many drives of other seeds, to validate with.")] = 8,
+) -> None:
+    """Simulate drives to learn from, and others to validate with. Needs the extra `simulation`."""
+    with TerminalProgress() as progress:
+        simulate_planned(out, training=training, validation=validation, progress=progress)
+    say(f"{out}: {training} drives to learn from (train0...), {validation} to validate with (val0...).")
+
+
+@train.command()
+def detector(
+    run: RunFolder,
+    drives: Drives,
+    steps: Annotated[int, typer.Option(min=1, help="Steps in all.")] = DETECTOR.steps,
+    seed: Seed = 1,
+    batch_size: BatchSize = 8,
+    workers: Workers = DETECTOR.workers,
+) -> None:
+    """Train a YOLOX-nano detector of vehicles, and write it into RUN."""
+    _train(DETECTOR, run, drives, steps=steps, seed=seed, batch_size=batch_size, workers=workers)
+
+
+@train.command()
+def segmentation(
+    run: RunFolder,
+    drives: Drives,
+    steps: Annotated[int, typer.Option(min=1, help="Steps in all.")] = SEGMENTATION.steps,
+    seed: Seed = 1,
+    batch_size: BatchSize = 8,
+    workers: Workers = SEGMENTATION.workers,
+) -> None:
+    """Train a network that tells road, building, vegetation and vehicle, and write it into RUN."""
+    _train(SEGMENTATION, run, drives, steps=steps, seed=seed, batch_size=batch_size, workers=workers)
+
+
+@train.command()
+def validate(
+    model: Annotated[Path, typer.Argument(help="A model that was trained so (.onnx).", show_default=False)],
+    drives: Drives,
+    as_json: AsJson = False,
+) -> None:
+    """Measure a trained model on drives that it has not seen."""
+    found = find_drives(drives)
+    with TerminalProgress() as progress:
+        progress.stage("Running the model", len(found))
+        report = validate_model(model, found, progress.advance)
+    if as_json:
+        typer.echo(json.dumps(report.as_json()))
+    else:
+        show_table(_table(report))
+
+
+def _train(
+    recipe: Recipe, run: Path, drives: list[Path], *, steps: int, seed: int, batch_size: int, workers: int
+) -> None:
+    if importlib.util.find_spec("torch") is None:
+        raise TrainingError("Training needs torch. Install it: pip install 'hindsight-labeler[training]'")
+    runs = importlib.import_module("labeler.training.runs")
+    file: Path = runs.train_recipe(
+        recipe, run, drives, steps=steps, seed=seed, batch_size=batch_size, workers=workers, report=say
+    )
+    say(f"{file} is written. Measure it: hindsight train validate {file} --drives FOLDER")
+
+
+def _table(report: DetectorReport | SegmentationReport) -> Table:
+    title = f"{report.model}: {report.images} images of {len(report.drives)} drives, "
+    title += f"{report.cpu_ms_per_image:.1f} ms of CPU an image"
+    if isinstance(report, SegmentationReport):
+        table = Table("class", "IoU", "share of pixels", title=title)
+        for result in report.results:
+            table.add_row(result.name, _figure(result.iou), f"{result.truth_share:.3f}")
+        return table
+    table = Table("vehicles", "count", "AP@.5", "any class", "P at .8", "R at .8", title=title)
+    for scope in report.results:
+        figures = (
+            scope.average_precision,
+            scope.average_precision_any_class,
+            scope.precision_at_confidence,
+            scope.recall_at_confidence,
+        )
+        table.add_row(scope.name, str(scope.truth_count), *(_figure(figure) for figure in figures))
+    return table
+
+
+def _figure(value: float | None) -> str:
+    return "-" if value is None else f"{value:.3f}"

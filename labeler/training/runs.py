@@ -1,0 +1,76 @@
+"""A whole training: drives in, an ONNX file out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from labeler.training.calibration import find_calibration, with_calibration
+from labeler.training.detector import DetectorTask
+from labeler.training.loop import Task, Trained, TrainingConfig, train
+from labeler.training.onnx_export import export_detector, export_segmentation, import_onnx
+from labeler.training.pictures import Picture, find_drives, load_pictures
+from labeler.training.recipes import DETECTOR, Recipe
+from labeler.training.segmenter import SegmentationTask
+from labeler.training.yolox_network import Yolox
+
+_CALIBRATED_ON = 192
+"""About how many of the images, evenly spread, the scores are fitted on."""
+
+
+def train_recipe(
+    recipe: Recipe,
+    folder: Path,
+    drives: Sequence[Path],
+    *,
+    steps: int,
+    seed: int,
+    batch_size: int,
+    workers: int,
+    report: Callable[[str], None],
+) -> Path:
+    """Train a recipe's model in ``folder``, going on where a checkpoint stands, and write it there: the ONNX file.
+
+    ``drives`` are drives or folders of drives. ``report`` hears how far it is. TrainingError when a part of the extra
+    ``training`` is missing, when a drive can't be learned from, when the checkpoint is of other settings, or when
+    ``folder`` can't be written."""
+    import_onnx()
+    config = TrainingConfig(
+        seed=seed, steps=steps, batch_size=batch_size, workers=workers, learning_rate=recipe.learning_rate
+    )
+    found = find_drives(drives)
+    report(f"reading {len(found)} drives")
+    pictures = load_pictures(found)
+    names = [drive.name for drive in found]
+    report(f"{len(pictures)} images, {sum(len(p.boxes_px) for p in pictures)} vehicles")
+    task: Task
+    if recipe is DETECTOR:
+        task = DetectorTask(pictures, names, recipe.crops)
+    else:
+        task = SegmentationTask(pictures, names, recipe.crops)
+    trained = train(task, config, folder, report=report)
+    file = folder / recipe.file_name
+    source = source_of(recipe, config, trained)
+    if isinstance(trained.network, Yolox):
+        export_detector(_calibrated(trained.network, pictures, report), file, source=source)
+    else:
+        export_segmentation(trained.network, file, source=source)
+    return file
+
+
+def _calibrated(network: Yolox, pictures: Sequence[Picture], report: Callable[[str], None]) -> Yolox:
+    report("fitting the scores to how often the detector is right")
+    calibration = find_calibration(network, pictures[:: max(1, len(pictures) // _CALIBRATED_ON)])
+    if calibration is None:
+        report("it is too seldom right, or wrong, to tell: the scores stay as they are")
+        return network
+    return with_calibration(network, calibration)
+
+
+def source_of(recipe: Recipe, config: TrainingConfig, trained: Trained) -> str:
+    """What a file says about where it comes from."""
+    drives = "; ".join(f"from step {step}: {', '.join(names)}" for step, names in trained.drives_since)
+    return (
+        f"trained on simulated drives: hindsight train {recipe.task} --seed {config.seed} --steps {config.steps} "
+        f"--batch-size {config.batch_size} --workers {config.workers} ({drives})"
+    )

@@ -1,0 +1,42 @@
+"""``hindsight train`` from end to end, as small as it gets."""
+
+import json
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from app.cli import main
+from tests.labeler.training.test_pictures import make_drive
+
+
+def run(*arguments: str) -> str:
+    result = CliRunner().invoke(main, ["train", *arguments])
+    assert result.exit_code == 0, result.output
+    return result.stdout
+
+
+@pytest.mark.parametrize(
+    ("task", "file", "named"),
+    [("detector", "sim-yolox-nano.onnx", "results"), ("segmentation", "sim-segmentation.onnx", "right_share")],
+)
+def test_a_model_is_trained_written_and_measured(tmp_path: Path, task: str, file: str, named: str) -> None:
+    for package in ("torch", "onnx"):
+        pytest.importorskip(package, reason=f"needs {package}, of the extra `training`")
+    make_drive(tmp_path / "drives" / "train0")
+    options = ("--drives", str(tmp_path / "drives"), "--steps", "2", "--batch-size", "2")
+
+    run(task, str(tmp_path / "run"), *options)
+    report = json.loads(run("validate", str(tmp_path / "run" / file), "--drives", str(tmp_path / "drives"), "--json"))
+
+    assert (report["model"], report["images"], report["drives"]) == (file, 1, ["train0"])
+    assert named in report
+    table = run("validate", str(tmp_path / "run" / file), "--drives", str(tmp_path / "drives"))
+    assert "1 images of 1 drives" in table
+
+
+def test_a_folder_without_drives_is_named(tmp_path: Path) -> None:
+    result = CliRunner().invoke(main, ["train", "validate", "model.onnx", "--drives", str(tmp_path / "nowhere")])
+
+    assert result.exit_code == 1
+    assert "There is no drive in" in result.stderr
