@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from labeler.detection.sessions import open_session
+from labeler.inference.sessions import open_session
 from labeler.training.detector_validation import DetectorReport, validate_detector
 from labeler.training.segmentation_validation import SegmentationReport, validate_segmentation
 

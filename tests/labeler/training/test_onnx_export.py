@@ -9,9 +9,9 @@ torch = pytest.importorskip("torch", reason="needs torch, of the extra `training
 pytest.importorskip("onnx", reason="needs onnx, of the extra `training`")
 
 import onnxruntime  # noqa: E402
-from labeler.segmentation import open_segmenter  # noqa: E402
 
 from labeler.detection import DetectionConfig, open_detector  # noqa: E402
+from labeler.segmentation import open_segmenter  # noqa: E402
 from labeler.training.flat import FlatNetwork  # noqa: E402
 from labeler.training.onnx_export import export_detector, export_segmentation  # noqa: E402
 from labeler.training.segmentation_network import SegmentationNetwork  # noqa: E402

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from labeler.segmentation import SegmentationScores
 from numpy.typing import NDArray
 
 from labeler.detection.types import Detections
+from labeler.segmentation import SegmentationScores
 from labeler.training import detector_validation
 from labeler.training.detector_validation import SCOPES, validate_detector
 from labeler.training.segmentation_validation import confusion, likeliest, results_of
