@@ -97,6 +97,10 @@ def validate(
     if as_json:
         typer.echo(json.dumps(report.as_json()))
     else:
+        say(
+            f"{report.model}: {report.images} images of {', '.join(report.drives)}; "
+            f"{report.cpu_ms_per_image:.1f} ms of CPU an image, on one core"
+        )
         show_table(_table(report))
 
 
@@ -113,14 +117,12 @@ def _train(
 
 
 def _table(report: DetectorReport | SegmentationReport) -> Table:
-    title = f"{report.model}: {report.images} images of {len(report.drives)} drives, "
-    title += f"{report.cpu_ms_per_image:.1f} ms of CPU an image"
     if isinstance(report, SegmentationReport):
-        table = Table("class", "IoU", "share of pixels", title=title)
+        table = Table("class", "IoU", "share of pixels")
         for result in report.results:
             table.add_row(result.name, _figure(result.iou), f"{result.truth_share:.3f}")
         return table
-    table = Table("vehicles", "count", "AP@.5", "any class", "P at .8", "R at .8", title=title)
+    table = Table("vehicles", "count", "AP@.5", "any class", "P at .8", "R at .8")
     for scope in report.results:
         figures = (
             scope.average_precision,

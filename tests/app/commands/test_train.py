@@ -17,10 +17,10 @@ def run(*arguments: str) -> str:
 
 
 @pytest.mark.parametrize(
-    ("task", "file", "named"),
-    [("detector", "sim-yolox-nano.onnx", "results"), ("segmentation", "sim-segmentation.onnx", "right_share")],
+    ("task", "file", "column"),
+    [("detector", "sim-yolox-nano.onnx", "AP@.5"), ("segmentation", "sim-segmentation.onnx", "IoU")],
 )
-def test_a_model_is_trained_written_and_measured(tmp_path: Path, task: str, file: str, named: str) -> None:
+def test_a_model_is_trained_written_and_measured(tmp_path: Path, task: str, file: str, column: str) -> None:
     for package in ("torch", "onnx"):
         pytest.importorskip(package, reason=f"needs {package}, of the extra `training`")
     make_drive(tmp_path / "drives" / "train0")
@@ -30,9 +30,8 @@ def test_a_model_is_trained_written_and_measured(tmp_path: Path, task: str, file
     report = json.loads(run("validate", str(tmp_path / "run" / file), "--drives", str(tmp_path / "drives"), "--json"))
 
     assert (report["model"], report["images"], report["drives"]) == (file, 1, ["train0"])
-    assert named in report
     table = run("validate", str(tmp_path / "run" / file), "--drives", str(tmp_path / "drives"))
-    assert "1 images of 1 drives" in table
+    assert column in table
 
 
 def test_a_folder_without_drives_is_named(tmp_path: Path) -> None:

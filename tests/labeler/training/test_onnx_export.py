@@ -108,10 +108,10 @@ def test_a_network_in_rows_is_the_same_network() -> None:
     plain = network(blob)
     flat = FlatNetwork(network)
 
-    assert torch.equal(network(blob), plain)
+    torch.testing.assert_close(network(blob), plain)  # other places in memory round otherwise
     network(blob).sum().backward()
     first = next(parameter for parameter in network.parameters())
     assert first.grad is not None
     assert torch.equal(flat.weights_grad[: first.numel()], first.grad.reshape(-1))
     flat.weights.zero_()  # the network's own weights are views of this row
-    assert float(first.abs().sum()) == 0.0
+    assert float(first.detach().abs().sum()) == 0.0

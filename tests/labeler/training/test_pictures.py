@@ -19,7 +19,7 @@ ROWS = [
     ("car", (10, 10, 40, 30), 500, 1.0, True),
     ("motorcycle", (50, 10, 60, 30), 120, 0.5, True),
     ("car", (70, 10, 73, 30), 50, 0.9, False),  # 3 px wide
-    ("bus", (10, 40, 60, 50), 29, 0.9, False),  # too few pixels show it
+    ("bus", (10, 52, 60, 59), 29, 0.9, False),  # too few pixels show it
     ("truck", (10, 40, 60, 50), 400, 0.05, False),  # nearly hidden
     ("trailer", (70, 40, 90, 50), 200, 1.0, False),  # none of the classes
 ]
