@@ -56,6 +56,20 @@ class CannotLink(AppError):
     code = "cannot_link"
 
 
+class ClassesDiffer(AppError):
+    """People gave different classes to objects that are to become one."""
+
+    status = HTTPStatus.CONFLICT
+    code = "classes_differ"
+
+
+class Stale(AppError):
+    """Somebody else has changed the same objects since the page read them."""
+
+    status = HTTPStatus.CONFLICT
+    code = "stale"
+
+
 class Conflict(AppError):
     """The state of things does not allow it now."""
 

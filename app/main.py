@@ -15,6 +15,7 @@ from app.db.engine import migrate, open_engine
 from app.db.session import Store
 from app.drives.endpoints import router as drives_router
 from app.drives.upload import remove_leftovers
+from app.edits.endpoints import router as edits_router
 from app.errors import ErrorBody, install_error_handlers
 from app.evaluation.endpoints import router as evaluation_router
 from app.exports.endpoints import router as exports_router
@@ -93,6 +94,7 @@ def create_app(settings: Settings, *, static_folder: Path = STATIC_FOLDER) -> Fa
         tracks_router,
         identities_router,
         merges_router,
+        edits_router,
         jobs_router,
         evaluation_router,
         exports_router,

@@ -2,6 +2,7 @@
 
 from app.db.base import Base
 from app.drives.models import CameraRow, DriveRow, FrameRow, ImageRow
+from app.edits.models import EffectRow
 from app.exports.models import ExportRow
 from app.identities.models import IdentityRow
 from app.jobs.models import JobRow
@@ -22,6 +23,7 @@ TABLES = (
     IdentityRow,
     MergeRow,
     ReviewRow,
+    EffectRow,
     JobRow,
     ExportRow,
 )

@@ -6,22 +6,28 @@ from typing import Any
 from sqlalchemy import and_, select
 from sqlalchemy.orm import Session
 
+from app.identities.models import IdentityRow
 from app.tracks.models import LabelRow, ObservationRow, TrackRow
 
 
 def best_of_tracks(session: Session, labelling_id: int) -> dict[int, tuple[int, float]]:
-    """Class id and score of the best observation of each track."""
+    """Class id and score of the best observation of each track that has one."""
     query = select(TrackRow.track_id, TrackRow.class_id, TrackRow.best_score)
     rows = session.execute(query.where(TrackRow.labelling_id == labelling_id))
-    return {track_id: (class_id, score) for track_id, class_id, score in rows}
+    return {track_id: (class_id, score) for track_id, class_id, score in rows if score is not None}
 
 
 def labels_between(session: Session, labelling_id: int, start: int, stop: int) -> Sequence[Sequence[Any]]:
     """Columns of the observations of the frames ``start <= frame_index < stop``; empty where there are none.
 
+    Objects that a person ignores are not among them.
+
     In order: frame_index, camera_id, x1_px, y1_px, x2_px, y2_px, class_id and score as detected, track_id, identity_id,
     class_id and score of the label.
     """
+    ignored = select(IdentityRow.identity_id).where(
+        IdentityRow.labelling_id == labelling_id, IdentityRow.mark == "ignored"
+    )
     query = (
         select(
             ObservationRow.frame_index,
@@ -56,6 +62,7 @@ def labels_between(session: Session, labelling_id: int, start: int, stop: int) -
             ObservationRow.labelling_id == labelling_id,
             ObservationRow.frame_index >= start,
             ObservationRow.frame_index < stop,
+            TrackRow.identity_id.not_in(ignored),
         )
     )
     return list(zip(*session.execute(query).all(), strict=True))

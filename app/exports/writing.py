@@ -14,6 +14,7 @@ from app.drives import repository as drives_repository
 from app.drives.models import CameraRow, DriveRow
 from app.drives.service import require_drive
 from app.exports import repository
+from app.identities import repository as identities_repository
 from app.jobs.worker import JobContext, JobProgress
 from app.tracks import repository as tracks_repository
 from app.tracks.models import LabellingRow
@@ -57,16 +58,18 @@ def run_export_job(context: JobContext) -> str | None:
 def _labelled_images(
     session: Session, drive: DriveRow, labelling: LabellingRow, min_score: float, progress: JobProgress
 ) -> Iterator[LabelledImage]:
-    """Every image of the drive with its labels, by frame and camera."""
+    """Every image of the drive with its labels, by frame and camera; without objects that a person ignores."""
     cameras = {camera.id: camera for camera in drives_repository.cameras_of(session, [drive.id])[drive.id]}
+    ignored = identities_repository.ignored(session, labelling.id)
     progress.stage(STAGE, drive.frame_count)
     for start in range(0, drive.frame_count, FRAMES_PER_CLIP):
         stop = min(start + FRAMES_PER_CLIP, drive.frame_count)
         boxes: defaultdict[tuple[int, int], list[LabelledBox]] = defaultdict(list)
         found = tracks_repository.labelled_frames(session, labelling.id, start, stop)
         for row in found.observations:
-            if min_score <= (row.label_score or 0.0):
-                boxes[row.frame_index, found.tracks[row.track_id].camera_id].append(_to_box(row, found, cameras))
+            track = found.tracks[row.track_id]
+            if min_score <= (row.label_score or 0.0) and track.identity_id not in ignored:
+                boxes[row.frame_index, track.camera_id].append(_to_box(row, found, cameras))
         for image in drives_repository.images_between(session, drive.id, start, stop):
             camera = cameras[image.camera_id]
             yield LabelledImage(

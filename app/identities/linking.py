@@ -2,78 +2,97 @@
 
 Only the tracks that the changed merges can reach are looked at. A person's merges are joined first, the machine's after
 them in order of score, all under the cannot-link rule; a merge of the machine that no longer fits becomes a proposal,
-and is made again when it fits again. Then every identity takes the label of its best observation (the paper's
-Algorithm 3), which is the best of its tracks' best ones.
+and is made again when it fits again. People's edits bind as their merges do: tracks that they joined, and tracks that
+they said are two objects. Then every identity takes the class that a person gave it, else the label of its best
+observation (the paper's Algorithm 3), which is the best of its tracks' best ones.
 """
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
 
 from app.db.session import Session
+from app.edits import repository as edits_repository
+from app.edits.pieces import Pieces
+from app.edits.repository import Pair
+from app.edits.types import EffectKind
 from app.identities import repository
+from app.identities.conflicts import MayNotBeOne
 from app.merges import repository as merges_repository
 from app.merges.repository import Link
 from app.tracks import repository as tracks_repository
 from app.tracks.models import TrackRow
 from labeler.identity.linking import CannotLinkError, IdentityGraph, components
 
+HUMAN_SCORE = 1.0
+"""The score of a label that is a person's word."""
+
+
+@dataclass(frozen=True)
+class Refused:
+    """A merge or a join of a person that doesn't fit together with others of persons.
+
+    ``merge_id`` or ``effect_id`` names it. It would put ``forbidden``, two tracks, into one identity; ``apart`` is the
+    decision of a person that forbids it, None where they share a frame.
+    """
+
+    track_a: int
+    track_b: int
+    forbidden: tuple[int, int]
+    apart: Pair | None
+    merge_id: int | None = None
+    effect_id: int | None = None
+
 
 @dataclass(frozen=True)
 class Relinked:
-    """What changed. ``refused`` are merges of a person that don't fit together with better ones of persons."""
+    """What changed."""
 
     identity_ids: tuple[int, ...]
     changed_label_count: int
-    refused: tuple[int, ...]
+    refused: tuple[Refused, ...]
 
 
-class TrackFrames:
-    """Whether tracks share a frame, asked of the store only where their times overlap."""
+@dataclass(frozen=True)
+class Said:
+    """What people say of an identity. ``class_id`` and ``mark`` are None where they say nothing."""
 
-    def __init__(self, session: Session, labelling_id: int, tracks: Iterable[TrackRow]) -> None:
-        self._session = session
-        self._labelling_id = labelling_id
-        self._tracks = {track.track_id: track for track in tracks}
-        self._frames: dict[int, set[int]] = {}
-
-    def __call__(self, track_a: int, track_b: int) -> bool:
-        return self.first_shared(track_a, track_b) is not None
-
-    def first_shared(self, track_a: int, track_b: int) -> int | None:
-        """The first frame that two tracks share, or None."""
-        a, b = self._tracks[track_a], self._tracks[track_b]
-        if a.last_frame < b.first_frame or b.last_frame < a.first_frame:
-            return None
-        return min(self._frames_of(track_a) & self._frames_of(track_b), default=None)
-
-    def _frames_of(self, track_id: int) -> set[int]:
-        if track_id not in self._frames:
-            self._frames[track_id] = tracks_repository.frames_of_track(self._session, self._labelling_id, track_id)
-        return self._frames[track_id]
+    class_id: int | None = None
+    mark: str | None = None
+    comment_count: int = 0
 
 
-def relink(session: Session, labelling_id: int, changed_tracks: Iterable[int]) -> Relinked:
-    """Make identities and labels of all tracks that ``changed_tracks`` can reach fit the merges as they are now."""
+def relink(
+    session: Session, labelling_id: int, changed_tracks: Iterable[int], *, gone_identities: Iterable[int] = ()
+) -> Relinked:
+    """Make identities and labels of all tracks that ``changed_tracks`` can reach fit the merges as they are now.
+
+    ``gone_identities`` are those that tracks which are there no longer were in."""
     session.flush()
-    links = merges_repository.links(session, labelling_id)
+    pieces = edits_repository.pieces(session, labelling_id)
+    pairs = _of_tracks_that_are(session, labelling_id, edits_repository.pairs(session, labelling_id, pieces))
+    links = _in_order(merges_repository.links(session, labelling_id), pairs)
     tracks = _reachable(session, labelling_id, set(changed_tracks), links)
     ids = {track.track_id for track in tracks}
     links = [link for link in links if link.track_a in ids]
-    graph = IdentityGraph(
-        {track.track_id: str(track.camera_id) for track in tracks}, TrackFrames(session, labelling_id, tracks)
-    )
-    refused = _join(session, graph, links)
-    before = {track.identity_id for track in tracks}
+    forbids = MayNotBeOne(session, labelling_id, tracks, pairs)
+    graph = IdentityGraph(dict.fromkeys(ids, ""), forbids)  # one camera for all: the rule looks at cameras itself
+    refused = _join(session, graph, links, forbids)
+    before = {track.identity_id for track in tracks} | set(gone_identities)
     members: dict[int, list[TrackRow]] = {}
     for track in tracks:
         members.setdefault(graph.identity_of(track.track_id), []).append(track)
-    changed = sum(_relabel(session, labelling_id, identity, group) for identity, group in members.items())
+    said = _said(session, labelling_id, tracks, pieces, graph.identity_of)
+    changed = sum(
+        _relabel(session, labelling_id, identity, group, said.get(identity, Said()))
+        for identity, group in members.items()
+    )
     rows = [
         identity_values(
             labelling_id,
             identity,
             group,
             propagated_count=repository.propagated_count(session, labelling_id, _ids(group)),
+            said=said.get(identity, Said()),
         )
         for identity, group in members.items()
     ]
@@ -82,67 +101,148 @@ def relink(session: Session, labelling_id: int, changed_tracks: Iterable[int]) -
 
 
 def best_track(tracks: Sequence[TrackRow]) -> TrackRow:
-    """The track that holds the best observation: highest score, then earliest frame, then smallest id."""
-    return min(tracks, key=lambda track: (-track.best_score, track.best_frame, track.track_id))
+    """The track that holds the best observation: highest score, then earliest frame, then smallest id.
+
+    Tracks without any score come last."""
+
+    def rank(track: TrackRow) -> tuple[bool, float, int, int]:
+        return (track.best_score is None, -(track.best_score or 0.0), track.best_frame, track.track_id)
+
+    return min(tracks, key=rank)
 
 
 def identity_values(
-    labelling_id: int, identity_id: int, tracks: Sequence[TrackRow], *, propagated_count: int
-) -> dict[str, int | float]:
+    labelling_id: int,
+    identity_id: int,
+    tracks: Sequence[TrackRow],
+    *,
+    propagated_count: int,
+    said: Said = Said(),
+) -> dict[str, int | float | str | None]:
     """The columns of an identity that has these tracks."""
     best = best_track(tracks)
     return {
         "labelling_id": labelling_id,
         "identity_id": identity_id,
-        "class_id": best.class_id,
-        "score": best.best_score,
+        "class_id": best.class_id if said.class_id is None else said.class_id,
+        "score": best.best_score if said.class_id is None else HUMAN_SCORE,
         "donor_track_id": best.track_id,
         "donor_frame_index": best.best_frame,
         "first_frame": min(track.first_frame for track in tracks),
         "last_frame": max(track.last_frame for track in tracks),
         "observation_count": sum(track.observation_count for track in tracks),
         "propagated_count": propagated_count,
+        "class_by_person": said.class_id is not None,
+        "mark": said.mark,
+        "comment_count": said.comment_count,
     }
 
 
-def _reachable(session: Session, labelling_id: int, start: set[int], links: Sequence[Link]) -> Sequence[TrackRow]:
+def _of_tracks_that_are(session: Session, labelling_id: int, pairs: Sequence[Pair]) -> list[Pair]:
+    """The pairs of which no track was deleted."""
+    ids = {track for pair in pairs for track in (pair.track_a, pair.track_b)}
+    there = {track.track_id for track in tracks_repository.tracks_with(session, labelling_id, ids)}
+    return [pair for pair in pairs if pair.track_a in there and pair.track_b in there]
+
+
+def _in_order(merges: Sequence[Link], pairs: Iterable[Pair]) -> list[Link | Pair]:
+    """What makes tracks one object, the strongest first: a person's merges, a person's joins, the machine's merges."""
+    by_person = [link for link in merges if link.decided_by == "person"]
+    by_machine = [link for link in merges if link.decided_by != "person"]
+    return [*by_person, *(pair for pair in pairs if pair.kind is EffectKind.SAME), *by_machine]
+
+
+def _said(
+    session: Session,
+    labelling_id: int,
+    tracks: Sequence[TrackRow],
+    pieces: Pieces,
+    identity_of: Callable[[int], int],
+) -> dict[int, Said]:
+    """What people say of each identity that they say anything of: their last words, and how many comments."""
+    there = {track.track_id for track in tracks}
+    effects = edits_repository.sayings(session, labelling_id, {track.tracked_id for track in tracks})
+    if not effects:
+        return {}
+    names = tracks_repository.find_labelling(session, labelling_id).class_names
+    said: dict[int, Said] = {}
+    for effect in effects:
+        track_id = pieces.track_at(effect.place)
+        if track_id not in there:
+            continue
+        identity = identity_of(track_id)
+        known = said.get(identity, Said())
+        match effect.kind:
+            case EffectKind.CLASS:
+                known = replace(known, class_id=names.index(effect.value["class_name"]))
+            case EffectKind.MARK:
+                mark = effect.value["mark"]
+                known = replace(known, mark=None if mark == "open" else mark)
+            case _:
+                known = replace(known, comment_count=known.comment_count + 1)
+        said[identity] = known
+    return said
+
+
+def _reachable(
+    session: Session, labelling_id: int, start: set[int], links: Sequence[Link | Pair]
+) -> Sequence[TrackRow]:
     """Tracks that are or could be in one identity with those of ``start``, by way of the links."""
     component_of = components(
-        {track for link in links for track in (link.track_a, link.track_b)} | start, _pairs(links)
+        {track for link in links for track in (link.track_a, link.track_b)} | start,
+        [(link.track_a, link.track_b) for link in links],
     )
     wanted = {component_of[track] for track in start}
     ids = {track for track, component in component_of.items() if component in wanted}
     return tracks_repository.tracks_with(session, labelling_id, ids)
 
 
-def _join(session: Session, graph: IdentityGraph, links: Sequence[Link]) -> list[int]:
+def _join(session: Session, graph: IdentityGraph, links: Sequence[Link | Pair], forbids: MayNotBeOne) -> list[Refused]:
     """Join what fits, in the order of the links, and set the machine's merges to what came out."""
-    refused: list[int] = []
+    refused: list[Refused] = []
     made: list[int] = []
     unfit: list[int] = []
     for link in links:
         try:
             graph.join(link.track_a, link.track_b)
-        except CannotLinkError:
-            if link.decided_by == "person":
-                refused.append(link.merge_id)
-            elif link.state == "accepted":
-                unfit.append(link.merge_id)
+        except CannotLinkError as error:
+            if isinstance(link, Link) and link.decided_by != "person":
+                if link.state == "accepted":
+                    unfit.append(link.merge_id)
+                continue
+            forbidden = (error.track_a, error.track_b)
+            refused.append(
+                Refused(
+                    link.track_a,
+                    link.track_b,
+                    forbidden,
+                    forbids.apart(*forbidden),
+                    merge_id=link.merge_id if isinstance(link, Link) else None,
+                    effect_id=link.effect_id if isinstance(link, Pair) else None,
+                )
+            )
         else:
-            if link.state != "accepted":
+            if isinstance(link, Link) and link.state != "accepted":
                 made.append(link.merge_id)
     merges_repository.set_state(session, made, "accepted")
     merges_repository.set_state(session, unfit, "proposed")
     return refused
 
 
-def _relabel(session: Session, labelling_id: int, identity_id: int, tracks: Sequence[TrackRow]) -> int:
+def _relabel(session: Session, labelling_id: int, identity_id: int, tracks: Sequence[TrackRow], said: Said) -> int:
     """Put tracks into an identity and give them its label; how many labels change."""
     moved = [track.track_id for track in tracks if track.identity_id != identity_id]
     if moved:
         tracks_repository.set_identity(session, labelling_id, moved, identity_id)
+    if said.class_id is not None:
+        return tracks_repository.label_by_person(
+            session, labelling_id, _ids(tracks), class_id=said.class_id, score=HUMAN_SCORE, drawn_only=False
+        )
     best = best_track(tracks)
-    return tracks_repository.relabel(
+    changed = tracks_repository.label_by_person(
+        session, labelling_id, _ids(tracks), class_id=best.class_id, score=HUMAN_SCORE, drawn_only=True
+    )
+    return changed + tracks_repository.relabel(
         session,
         labelling_id,
         _ids(tracks),
@@ -155,7 +255,3 @@ def _relabel(session: Session, labelling_id: int, identity_id: int, tracks: Sequ
 
 def _ids(tracks: Iterable[TrackRow]) -> list[int]:
     return [track.track_id for track in tracks]
-
-
-def _pairs(links: Iterable[Link]) -> list[tuple[int, int]]:
-    return [(link.track_a, link.track_b) for link in links]

@@ -11,17 +11,18 @@ from app.tracks.models import LabelRow, ObservationRow, TrackRow
 
 
 class StoredIdentity(NamedTuple):
-    """An identity with the store's id and the camera of its donor."""
+    """An identity with the store's id, the camera and the score of its donor."""
 
     row: IdentityRow
     donor_id: int
     donor_camera_id: int
+    donor_score: float | None
 
 
 def list_all(session: Session, labelling_id: int) -> list[StoredIdentity]:
     """Identities in order of id."""
     query = (
-        select(IdentityRow, ObservationRow.id, TrackRow.camera_id)
+        select(IdentityRow, ObservationRow.id, TrackRow.camera_id, ObservationRow.score)
         .join(
             TrackRow,
             and_(TrackRow.labelling_id == IdentityRow.labelling_id, TrackRow.track_id == IdentityRow.donor_track_id),
@@ -38,6 +39,22 @@ def list_all(session: Session, labelling_id: int) -> list[StoredIdentity]:
         .order_by(IdentityRow.identity_id)
     )
     return [StoredIdentity(*row) for row in session.execute(query)]
+
+
+def find(session: Session, labelling_id: int, identity_ids: Iterable[int]) -> Sequence[IdentityRow]:
+    """The identities of these ids that are there, in order of id."""
+    query = select(IdentityRow).where(
+        IdentityRow.labelling_id == labelling_id, IdentityRow.identity_id.in_(sorted(identity_ids))
+    )
+    return session.scalars(query.order_by(IdentityRow.identity_id), execution_options={"populate_existing": True}).all()
+
+
+def ignored(session: Session, labelling_id: int) -> set[int]:
+    """The identities that a person marked as ignored."""
+    query = select(IdentityRow.identity_id).where(
+        IdentityRow.labelling_id == labelling_id, IdentityRow.mark == "ignored"
+    )
+    return set(session.scalars(query))
 
 
 def replace(session: Session, labelling_id: int, gone: Iterable[int], rows: Sequence[Mapping[str, Any]]) -> None:

@@ -1,6 +1,8 @@
 """What the page learns about identities."""
 
-from pydantic import BaseModel
+from enum import StrEnum
+
+from pydantic import BaseModel, Field
 
 
 class IdentityDonor(BaseModel):
@@ -10,7 +12,14 @@ class IdentityDonor(BaseModel):
     track_id: int
     camera: str
     frame_index: int
-    score: float
+    score: float | None = Field(description="Null where no observation of the identity has one.")
+
+
+class IdentityMark(StrEnum):
+    """What a person says of an object: looked at and right, or to be left out of what is exported."""
+
+    REVIEWED = "reviewed"
+    IGNORED = "ignored"
 
 
 class Identity(BaseModel):
@@ -18,7 +27,7 @@ class Identity(BaseModel):
 
     id: int
     class_name: str
-    score: float
+    score: float | None
     camera_names: list[str]
     track_ids: list[int]
     first_frame: int
@@ -26,3 +35,6 @@ class Identity(BaseModel):
     observation_count: int
     propagated_count: int
     donor: IdentityDonor
+    class_by_person: bool
+    mark: IdentityMark | None
+    comment_count: int

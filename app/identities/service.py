@@ -4,7 +4,7 @@ from app.db.session import Session
 from app.drives import repository as drives_repository
 from app.errors import NotFound
 from app.identities import repository
-from app.identities.schemas import Identity, IdentityDonor
+from app.identities.schemas import Identity, IdentityDonor, IdentityMark
 from app.tracks import repository as tracks_repository
 from app.tracks.models import TrackRow
 
@@ -36,8 +36,11 @@ def list_identities(session: Session, drive_id: int) -> list[Identity]:
                 track_id=row.donor_track_id,
                 camera=cameras[donor_camera_id],
                 frame_index=row.donor_frame_index,
-                score=row.score,
+                score=donor_score,
             ),
+            class_by_person=row.class_by_person,
+            mark=None if row.mark is None else IdentityMark(row.mark),
+            comment_count=row.comment_count,
         )
-        for row, donor_id, donor_camera_id in repository.list_all(session, labelling.id)
+        for row, donor_id, donor_camera_id, donor_score in repository.list_all(session, labelling.id)
     ]

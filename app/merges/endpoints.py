@@ -5,7 +5,7 @@ from typing import Annotated
 from fastapi import APIRouter, Query
 
 from app.db.session import ReadSession, WriteSession
-from app.dependencies import AppSettings
+from app.dependencies import Reviewer
 from app.merges import looks, service
 from app.merges.schemas import Merge, MergeChange, MergeLooks, MergeState
 
@@ -29,24 +29,24 @@ def get_merge_looks(merge_id: int, session: ReadSession) -> MergeLooks:
 
 
 @router.post("/merges/{merge_id}/accept")
-def accept_merge(merge_id: int, session: WriteSession, settings: AppSettings) -> MergeChange:
+def accept_merge(merge_id: int, session: WriteSession, reviewer: Reviewer) -> MergeChange:
     """Say that the two tracks are one object; 409 where that can't be."""
-    return service.accept_merge(session, merge_id, reviewer=settings.reviewer)
+    return service.accept_merge(session, merge_id, reviewer=reviewer)
 
 
 @router.post("/merges/{merge_id}/reject")
-def reject_merge(merge_id: int, session: WriteSession, settings: AppSettings) -> MergeChange:
+def reject_merge(merge_id: int, session: WriteSession, reviewer: Reviewer) -> MergeChange:
     """Say that the two tracks are two objects."""
-    return service.reject_merge(session, merge_id, reviewer=settings.reviewer)
+    return service.reject_merge(session, merge_id, reviewer=reviewer)
 
 
 @router.post("/merges/{merge_id}/unsure")
-def leave_merge_open(merge_id: int, session: WriteSession, settings: AppSettings) -> MergeChange:
+def leave_merge_open(merge_id: int, session: WriteSession, reviewer: Reviewer) -> MergeChange:
     """Say that it can't be told: the tracks stay apart, and the merge leaves the queue until it is undone."""
-    return service.leave_merge_open(session, merge_id, reviewer=settings.reviewer)
+    return service.leave_merge_open(session, merge_id, reviewer=reviewer)
 
 
 @router.post("/merges/{merge_id}/undo")
-def undo_merge(merge_id: int, session: WriteSession, settings: AppSettings) -> MergeChange:
+def undo_merge(merge_id: int, session: WriteSession, reviewer: Reviewer) -> MergeChange:
     """Take back what a person said; what the machine said holds again."""
-    return service.undo_merge(session, merge_id, reviewer=settings.reviewer)
+    return service.undo_merge(session, merge_id, reviewer=reviewer)

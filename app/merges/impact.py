@@ -29,11 +29,12 @@ class Impact:
 
     def label_count(self, merge: MergeRow) -> int:
         """How many labels change when the merge is accepted, or undone where it holds."""
+        track_a, track_b = merge.tracks
         if merge.state == "accepted":
-            part = self._side_of(merge.track_a, without=merge.track_b)
-            rest = [track for track in self._members[self.identity_of(merge.track_a)] if track.track_id not in part]
+            part = self._side_of(track_a, without=track_b)
+            rest = [track for track in self._members[self.identity_of(track_a)] if track.track_id not in part]
             return _lesser_count([self._tracks[track_id] for track_id in part], rest)
-        identity_a, identity_b = self.identity_of(merge.track_a), self.identity_of(merge.track_b)
+        identity_a, identity_b = self.identity_of(track_a), self.identity_of(track_b)
         if identity_a == identity_b:
             return 0
         return _lesser_count(self._members[identity_a], self._members[identity_b])

@@ -11,7 +11,7 @@ import numpy as np
 from app.db.session import Session
 from app.merges.models import MergeRow
 from app.merges.schemas import Look, MergeLooks, MergeSide, Moment, Way
-from app.merges.service import require_current
+from app.merges.service import require_current, tracks_of_merge
 from app.motion.paths import BoxPath, PathFrame, paths_of_tracks
 from app.motion.repository import EgoAt, ego_between
 from app.tracks import repository as tracks_repository
@@ -31,22 +31,23 @@ def looks_of_merge(session: Session, merge_id: int) -> MergeLooks:
     """The looks at a merge of the current labelling; NotFound."""
     merge = require_current(session, merge_id)
     labelling_id = merge.labelling_id
+    track_a, track_b = tracks_of_merge(merge)
     labelling = tracks_repository.find_labelling(session, labelling_id)
-    tracks = tracks_repository.tracks_of_same_identities(session, labelling_id, (merge.track_a, merge.track_b))
+    tracks = tracks_repository.tracks_of_same_identities(session, labelling_id, (track_a, track_b))
     by_id = {track.track_id: track for track in tracks}
     cameras = tracks_repository.camera_names(session, labelling.drive_id)
     seen: dict[int, dict[int, Sighting]] = {track_id: {} for track_id in by_id}
     for row in tracks_repository.sightings_of_tracks(session, labelling_id, by_id):
         seen[row.track_id][row.frame_index] = row
-    paths = paths_of_tracks(session, labelling.drive_id, labelling_id, (merge.track_a, merge.track_b))
+    paths = paths_of_tracks(session, labelling.drive_id, labelling_id, (track_a, track_b))
     looks = _Looks(by_id, seen, cameras, labelling.class_names)
-    ego = ego_between(session, labelling.drive_id, *_span(by_id[merge.track_a], by_id[merge.track_b]))
+    ego = ego_between(session, labelling.drive_id, *_span(by_id[track_a], by_id[track_b]))
     return MergeLooks(
         merge_id=merge.id,
         frame=next((path.frame for path in paths.values()), PathFrame.EGO),
         sides=(
-            looks.side(merge.track_a, paths.get(merge.track_a)),
-            looks.side(merge.track_b, paths.get(merge.track_b)),
+            looks.side(track_a, paths.get(track_a)),
+            looks.side(track_b, paths.get(track_b)),
         ),
         moments=_moments(merge, looks, paths),
         strip=looks.strip(),
@@ -112,7 +113,7 @@ class _Looks:
 
 def _moments(merge: MergeRow, looks: _Looks, paths: Mapping[int, BoxPath]) -> list[Moment]:
     """Both tracks at the same time: where that speaks most for the merge, else where they come closest in time."""
-    a, b = merge.track_a, merge.track_b
+    a, b = merge.tracks
     best = [int(frame["frame_index"]) for frame in merge.best_frames]
     frames = [(frame, frame) for frame in best if looks.has(a, frame) and looks.has(b, frame)]
     if not frames:

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from sqlalchemy import insert, select, update
+from sqlalchemy import insert, select, tuple_, update
 from sqlalchemy.orm import Session
 
 from app.merges.models import MergeRow
@@ -37,16 +37,19 @@ def find(session: Session, merge_id: int) -> MergeRow | None:
 
 
 def find_pair(session: Session, labelling_id: int, track_a: int, track_b: int) -> MergeRow | None:
-    """The merge of two tracks, ``track_a`` < ``track_b``."""
+    """The merge of two tracks, the one with the highest score where there are several."""
+    pairs = ((track_a, track_b), (track_b, track_a))
     query = select(MergeRow).where(
-        MergeRow.labelling_id == labelling_id, MergeRow.track_a == track_a, MergeRow.track_b == track_b
+        MergeRow.labelling_id == labelling_id, tuple_(MergeRow.track_a, MergeRow.track_b).in_(pairs)
     )
-    return session.scalars(query).one_or_none()
+    return session.scalars(query.order_by(MergeRow.score.desc(), MergeRow.id).limit(1)).one_or_none()
 
 
 def list_by_score(session: Session, labelling_id: int, state: str | None = None) -> Sequence[MergeRow]:
-    """Merges by descending score, of one state where it is named."""
-    query = select(MergeRow).where(MergeRow.labelling_id == labelling_id)
+    """Merges by descending score, of one state where it is named; without those of deleted tracks."""
+    query = select(MergeRow).where(
+        MergeRow.labelling_id == labelling_id, MergeRow.track_a.is_not(None), MergeRow.track_b.is_not(None)
+    )
     if state is not None:
         query = query.where(MergeRow.state == state)
     return session.scalars(query.order_by(MergeRow.score.desc(), MergeRow.id)).all()
@@ -56,7 +59,10 @@ def merges_of_tracks(session: Session, labelling_id: int, track_ids: Iterable[in
     """Merges that any of these tracks is in, by descending score."""
     ids = set(track_ids)
     query = select(MergeRow).where(
-        MergeRow.labelling_id == labelling_id, MergeRow.track_a.in_(ids) | MergeRow.track_b.in_(ids)
+        MergeRow.labelling_id == labelling_id,
+        MergeRow.track_a.is_not(None),
+        MergeRow.track_b.is_not(None),
+        MergeRow.track_a.in_(ids) | MergeRow.track_b.in_(ids),
     )
     return session.scalars(query.order_by(MergeRow.score.desc(), MergeRow.id)).all()
 
@@ -67,7 +73,12 @@ def links(session: Session, labelling_id: int) -> list[Link]:
     accepted_by_machine = (MergeRow.decided_by == "machine") & (MergeRow.machine_state == "accepted")
     query = (
         select(MergeRow.id, MergeRow.track_a, MergeRow.track_b, MergeRow.score, MergeRow.state, MergeRow.decided_by)
-        .where(MergeRow.labelling_id == labelling_id, accepted_by_person | accepted_by_machine)
+        .where(
+            MergeRow.labelling_id == labelling_id,
+            MergeRow.track_a.is_not(None),
+            MergeRow.track_b.is_not(None),
+            accepted_by_person | accepted_by_machine,
+        )
         .order_by(MergeRow.decided_by.desc(), MergeRow.score.desc(), MergeRow.id)
     )
     return [Link(*row) for row in session.execute(query)]
@@ -78,7 +89,8 @@ def accepted_pairs(session: Session, labelling_id: int) -> list[tuple[int, int]]
     query = select(MergeRow.track_a, MergeRow.track_b).where(
         MergeRow.labelling_id == labelling_id, MergeRow.state == "accepted"
     )
-    return [(track_a, track_b) for track_a, track_b in session.execute(query)]
+    pairs = session.execute(query)
+    return [(track_a, track_b) for track_a, track_b in pairs if track_a is not None and track_b is not None]
 
 
 def set_state(session: Session, merge_ids: Iterable[int], state: str) -> None:

@@ -4,8 +4,12 @@ from collections.abc import Iterable
 
 from app.db.session import Session
 from app.drives import repository as drives_repository
-from app.errors import CannotLink, Conflict, NotFound
-from app.identities.linking import TrackFrames, relink
+from app.edits import repository as edits_repository
+from app.edits.types import EffectKind
+from app.errors import Conflict, NotFound
+from app.identities.classes import require_one_class
+from app.identities.conflicts import require_one_object
+from app.identities.linking import relink
 from app.merges import repository
 from app.merges.impact import Impact
 from app.merges.models import MergeRow
@@ -14,7 +18,6 @@ from app.merges.schemas import DecidedBy, Merge, MergeChange, MergeFrame, MergeS
 from app.reviews import service as reviews_service
 from app.reviews.schemas import ReviewAction
 from app.tracks import repository as tracks_repository
-from labeler.identity.linking import IdentityGraph
 
 
 def list_merges(session: Session, drive_id: int, state: MergeState | None) -> list[Merge]:
@@ -25,7 +28,7 @@ def list_merges(session: Session, drive_id: int, state: MergeState | None) -> li
     if labelling is None:
         return []
     tracks = tracks_repository.tracks_of(session, labelling.id)
-    impact = Impact(tracks, repository.accepted_pairs(session, labelling.id))
+    impact = Impact(tracks, _held_pairs(session, labelling.id))
     cameras = tracks_repository.camera_names(session, drive_id)
     camera_of = {track.track_id: cameras[track.camera_id] for track in tracks}
     return [_to_merge(row, impact, camera_of) for row in repository.list_by_score(session, labelling.id, state)]
@@ -74,7 +77,7 @@ def _decide(session: Session, merge: MergeRow, action: ReviewAction, state: Merg
 
 def _apply(session: Session, merge: MergeRow) -> MergeChange:
     """Let identities and labels follow a changed merge."""
-    relinked = relink(session, merge.labelling_id, (merge.track_a, merge.track_b))
+    relinked = relink(session, merge.labelling_id, tracks_of_merge(merge))
     drive = tracks_repository.drive_of_labelling(session, merge.labelling_id)
     drives_repository.raise_revision(session, drive.id)
     session.refresh(merge)
@@ -84,17 +87,17 @@ def _apply(session: Session, merge: MergeRow) -> MergeChange:
 def _change(session: Session, merge: MergeRow, *, near: Iterable[int] = (), changed_label_count: int) -> MergeChange:
     """``near`` are the identities that the decision reached, beside those of the merge's own tracks."""
     labelling_id = merge.labelling_id
-    pair = tracks_repository.tracks_with(session, labelling_id, (merge.track_a, merge.track_b))
+    pair = tracks_repository.tracks_with(session, labelling_id, tracks_of_merge(merge))
     identity_ids = {track.identity_id for track in pair}
     reached = tracks_repository.tracks_of_identities(session, labelling_id, identity_ids | set(near))
-    rows = repository.merges_of_tracks(session, labelling_id, [track.track_id for track in reached])
+    rows = repository.merges_oftracks_of_merge(session, labelling_id, [track.track_id for track in reached])
     tracks = tracks_repository.tracks_of_same_identities(
-        session, labelling_id, {track for row in rows for track in (row.track_a, row.track_b)}
+        session, labelling_id, {track for row in rows for track in tracks_of_merge(row)}
     )
     drive = tracks_repository.drive_of_labelling(session, labelling_id)
     session.refresh(drive)
     cameras = tracks_repository.camera_names(session, drive.id)
-    impact = Impact(tracks, repository.accepted_pairs(session, labelling_id))
+    impact = Impact(tracks, _held_pairs(session, labelling_id))
     camera_of = {track.track_id: cameras[track.camera_id] for track in tracks}
     return MergeChange(
         merge=_to_merge(merge, impact, camera_of),
@@ -114,36 +117,37 @@ def require_current(session: Session, merge_id: int) -> MergeRow:
 
 
 def _require_linkable(session: Session, merge: MergeRow) -> None:
-    pair = tracks_repository.tracks_with(session, merge.labelling_id, (merge.track_a, merge.track_b))
-    tracks = tracks_repository.tracks_of_identities(session, merge.labelling_id, [track.identity_id for track in pair])
-    shared = TrackFrames(session, merge.labelling_id, tracks)
-    graph = IdentityGraph({track.track_id: str(track.camera_id) for track in tracks}, shared)
-    for identity_id in {track.identity_id for track in tracks}:
-        members = [track.track_id for track in tracks if track.identity_id == identity_id]
-        for other in members[1:]:
-            graph.join(members[0], other)
-    conflict = graph.conflict(merge.track_a, merge.track_b)
-    if conflict is None:
-        return
-    a, b = conflict
-    drive = tracks_repository.drive_of_labelling(session, merge.labelling_id)
-    camera_id = next(track.camera_id for track in tracks if track.track_id == a)
-    camera = tracks_repository.camera_names(session, drive.id)[camera_id]
-    raise CannotLink(
-        f"Tracks {merge.track_a} and {merge.track_b} can't be one object: tracks {a} and {b} would be one with them, "
-        f"and both are in camera {camera} in frame {shared.first_shared(a, b)}. Reject the merge that leads to the "
-        "wrong one first."
-    )
+    track_a, track_b = tracks_of_merge(merge)
+    require_one_object(session, merge.labelling_id, (track_a, track_b))
+    require_one_class(session, merge.labelling_id, (track_a, track_b))
+
+
+def tracks_of_merge(merge: MergeRow) -> tuple[int, int]:
+    """The merge's two tracks; NotFound where a person has deleted one."""
+    if merge.track_a is None or merge.track_b is None:
+        raise NotFound(f"A track of merge {merge.id} was deleted. Undo that first.")
+    return merge.track_a, merge.track_b
+
+
+def _held_pairs(session: Session, labelling_id: int) -> list[tuple[int, int]]:
+    """What makes tracks one object now: merges, and what people joined."""
+    pieces = edits_repository.pieces(session, labelling_id)
+    joined = [pair for pair in edits_repository.pairs(session, labelling_id, pieces) if pair.kind is EffectKind.SAME]
+    return [
+        *repository.accepted_pairs(session, labelling_id),
+        *((pair.track_a, pair.track_b) for pair in joined),
+    ]
 
 
 def _to_merge(row: MergeRow, impact: Impact, camera_of: dict[int, str]) -> Merge:
     label_count = impact.label_count(row)
+    track_a, track_b = tracks_of_merge(row)
     return Merge(
         id=row.id,
-        track_a=row.track_a,
-        track_b=row.track_b,
-        camera_a=camera_of[row.track_a],
-        camera_b=camera_of[row.track_b],
+        track_a=track_a,
+        track_b=track_b,
+        camera_a=camera_of[track_a],
+        camera_b=camera_of[track_b],
         score=row.score,
         probability=row.score,
         state=MergeState(row.state),
@@ -156,6 +160,6 @@ def _to_merge(row: MergeRow, impact: Impact, camera_of: dict[int, str]) -> Merge
         best_frames=[MergeFrame.model_validate(frame) for frame in row.best_frames],
         label_count=label_count,
         priority=priority(label_count, row.score),
-        identity_a=impact.identity_of(row.track_a),
-        identity_b=impact.identity_of(row.track_b),
+        identity_a=impact.identity_of(track_a),
+        identity_b=impact.identity_of(track_b),
     )

@@ -10,6 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from app.db.session import Session
+from app.edits import repository as edits_repository
+from app.edits.carrying import carry_edits
 from app.identities.linking import relink
 from app.merges import repository as merges_repository
 from app.merges.models import MergeRow
@@ -37,8 +39,9 @@ class CarriedOver:
 
 def carry_over(session: Session, drive_id: int, labelling_id: int) -> CarriedOver:
     """Let the decisions of people hold in a labelling whose rows are all there."""
+    edits = carry_edits(session, tracks_repository.find_labelling(session, labelling_id))
     camera_ids = {name: camera_id for camera_id, name in tracks_repository.camera_names(session, drive_id).items()}
-    lost = 0
+    lost = edits.lost
     decided: dict[int, MergeRow] = {}
     subjects: dict[int, int] = {}
     for review in repository.latest_of_subjects(session, drive_id):
@@ -52,12 +55,12 @@ def carry_over(session: Session, drive_id: int, labelling_id: int) -> CarriedOve
             continue
         subjects[merge.id] = subjects.get(merge.id, review.subject_id)
         repository.attach(session, review.subject_id, merge_id=merge.id, to_subject=subjects[merge.id])
-        _decide(merge, ReviewAction(review.action))
+        decide_merge(merge, ReviewAction(review.action))
         decided[merge.id] = merge
-    refused = _settle(session, labelling_id, decided)
+    refused = _settle(session, labelling_id, decided, edits.track_ids)
     lost += refused
     held = sum(merge.decided_by == "person" for merge in decided.values())
-    return CarriedOver(held=held, lost=lost)
+    return CarriedOver(held=held + edits.held, lost=lost)
 
 
 def _find_pair(
@@ -93,12 +96,17 @@ def _merge_for(session: Session, labelling_id: int, review: ReviewRow, pair: tup
     if known is not None or review.action == ReviewAction.UNDO:
         return known
     evidence = MergeEvidence.model_validate(review.evidence)
+    pieces = {track.track_id: track for track in tracks_repository.tracks_with(session, labelling_id, pair)}
     return merges_repository.add_merge(
         session,
         MergeRow(
             labelling_id=labelling_id,
             track_a=track_a,
             track_b=track_b,
+            tracked_a=pieces[track_a].tracked_id,
+            tracked_b=pieces[track_b].tracked_id,
+            frame_a=pieces[track_a].best_frame,
+            frame_b=pieces[track_b].best_frame,
             machine_state="proposed",
             state="proposed",
             decided_by="machine",
@@ -107,22 +115,26 @@ def _merge_for(session: Session, labelling_id: int, review: ReviewRow, pair: tup
     )
 
 
-def _decide(merge: MergeRow, action: ReviewAction) -> None:
+def decide_merge(merge: MergeRow, action: ReviewAction) -> None:
+    """Let a decision about a merge be what holds. Identities are to be linked anew after that."""
     if action is ReviewAction.UNDO:
         merge.state, merge.decided_by = merge.machine_state, "machine"
     else:
         merge.state, merge.decided_by = STATE_AFTER[action], "person"
 
 
-def _settle(session: Session, labelling_id: int, decided: dict[int, MergeRow]) -> int:
+def _settle(session: Session, labelling_id: int, decided: dict[int, MergeRow], edited_tracks: frozenset[int]) -> int:
     """Make identities fit; decisions that can't hold together go back to the machine's word. How many do."""
-    tracks = {track for merge in decided.values() for track in (merge.track_a, merge.track_b)}
+    tracks = {track for merge in decided.values() for track in (merge.track_a, merge.track_b) if track is not None}
+    tracks |= edited_tracks
     if not tracks:
         return 0
     refused = relink(session, labelling_id, tracks).refused
-    for merge_id in refused:
-        merge = decided[merge_id]
-        merge.state, merge.decided_by = merge.machine_state, "machine"
+    for one in refused:
+        if one.merge_id is not None:
+            merge = decided[one.merge_id]
+            merge.state, merge.decided_by = merge.machine_state, "machine"
+    edits_repository.set_active(session, [one.effect_id for one in refused if one.effect_id is not None], active=False)
     if refused:
         relink(session, labelling_id, tracks)
     return len(refused)

@@ -12,8 +12,12 @@ from app.tracks import repository as tracks_repository
 def record(session: Session, merge: MergeRow, action: ReviewAction, *, reviewer: str) -> None:
     """Append a decision about a merge of the current labelling."""
     drive = tracks_repository.drive_of_labelling(session, merge.labelling_id)
+    assert merge.track_a is not None
+    assert merge.track_b is not None
+    tracks = tracks_repository.tracks_with(session, merge.labelling_id, (merge.track_a, merge.track_b))
+    identity_ids = sorted({track.identity_id for track in tracks})
     evidence = MergeEvidence.model_validate(merge, from_attributes=True)
-    repository.append(
+    repository.append_about_merge(
         session,
         ReviewRow(
             drive_id=drive.id,
@@ -24,6 +28,8 @@ def record(session: Session, merge: MergeRow, action: ReviewAction, *, reviewer:
             anchor_a=_anchor(session, drive.id, merge.labelling_id, merge.track_a).model_dump(),
             anchor_b=_anchor(session, drive.id, merge.labelling_id, merge.track_b).model_dump(),
             evidence=evidence.model_dump(),
+            payload={"about": {"identity_ids": identity_ids, "track_ids": [merge.track_a, merge.track_b]}},
+            revision=drive.revision + 1,
         ),
     )
 

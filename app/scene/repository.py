@@ -10,7 +10,8 @@ from app.tracks.models import Box3DRow, LabellingRow, LabelRow, TrackRow
 def boxes_of_frame(session: Session, drive_id: int, frame_index: int) -> list[SceneBox]:
     """The 3D boxes of a frame in the drive's current labelling; none before it was labelled.
 
-    A box has the identity of its track, and class and score of its track's label there, else its own."""
+    A box has the identity of its track, and class and score of its track's label there, else its own.
+    Boxes that a person deleted are not among them."""
     query = (
         select(Box3DRow, TrackRow.identity_id, LabelRow.class_id, LabelRow.score, LabellingRow.class_names)
         .join(LabellingRow, LabellingRow.id == Box3DRow.labelling_id)
@@ -26,7 +27,12 @@ def boxes_of_frame(session: Session, drive_id: int, frame_index: int) -> list[Sc
                 LabelRow.frame_index == Box3DRow.frame_index,
             ),
         )
-        .where(LabellingRow.drive_id == drive_id, LabellingRow.current, Box3DRow.frame_index == frame_index)
+        .where(
+            LabellingRow.drive_id == drive_id,
+            LabellingRow.current,
+            Box3DRow.frame_index == frame_index,
+            Box3DRow.track_id.is_not(None) | Box3DRow.tracked_id.is_(None),
+        )
         .order_by(Box3DRow.camera_id, Box3DRow.row)
     )
     return [

@@ -24,6 +24,7 @@ from app.reviews.carrying import carry_over
 from app.tracks import repository
 from app.tracks.models import Box3DRow, LabellingRow, LabelRow, ObservationRow, TrackRow
 from labeler.errors import HindsightError
+from labeler.identity.types import MergeProposal
 from labeler.pipeline.types import LabelledDrive, LabelledView, Progress, SilentProgress
 from labeler.propagation.types import LabelSource
 from labeler.tracking.types import NO_DETECTION
@@ -89,8 +90,13 @@ def import_labelled_drive(
         if carried.lost:
             labelling = repository.find_labelling(session, labelling_id)
             labelling.warnings = [*labelling.warnings, _lost_decisions(carried.lost)]
-        repository.make_current(session, labelling_id, drive_id=drive_id, observation_count=observation_count)
-        drives_repository.raise_revision(session, drive_id)
+        repository.make_current(
+            session,
+            labelling_id,
+            drive_id=drive_id,
+            observation_count=observation_count,
+            since_revision=drives_repository.raise_revision(session, drive_id),
+        )
     remove_replaced(store, drive_id)
     return True
 
@@ -178,6 +184,7 @@ def _write_frames(
 def _write_merges_and_identities(
     session: Session, labelling_id: int, labelled: LabelledDrive, propagated: Mapping[int, int]
 ) -> None:
+    best_frames = {track.track_id: track.best_frame for track in labelled.tracks}
     merges_repository.insert_merges(
         session,
         [
@@ -185,6 +192,10 @@ def _write_merges_and_identities(
                 "labelling_id": labelling_id,
                 "track_a": merge.track_a,
                 "track_b": merge.track_b,
+                "tracked_a": merge.track_a,
+                "tracked_b": merge.track_b,
+                "frame_a": _frame_of(merge, best_frames[merge.track_a]),
+                "frame_b": _frame_of(merge, best_frames[merge.track_b]),
                 "score": round(merge.score, SCORE_DIGITS),
                 "machine_state": str(merge.state),
                 "state": str(merge.state),
@@ -209,11 +220,17 @@ def _write_merges_and_identities(
     identities_repository.replace(session, labelling_id, (), identities)
 
 
+def _frame_of(merge: MergeProposal, best_frame: int) -> int:
+    """The frame that says which piece of a track a merge is about: that of its best evidence, where it names one."""
+    return merge.best_frames[0].frame_index if merge.best_frames else best_frame
+
+
 def _track_columns(labelling_id: int, labelled: LabelledDrive, cameras: Mapping[str, int]) -> Columns:
     tracks = labelled.tracks
     return {
         "labelling_id": [labelling_id] * len(tracks),
         "track_id": [track.track_id for track in tracks],
+        "tracked_id": [track.track_id for track in tracks],
         "camera_id": [cameras[track.camera] for track in tracks],
         "first_frame": [track.first_frame for track in tracks],
         "last_frame": [track.last_frame for track in tracks],
@@ -230,6 +247,8 @@ def _observation_columns(labelling_id: int, view: LabelledView) -> Columns:
     return {
         "labelling_id": [labelling_id] * len(observations),
         "track_id": observations.track_id.tolist(),
+        "tracked_id": observations.track_id.tolist(),
+        "drawn": [False] * len(observations),
         "frame_index": observations.frame_index.tolist(),
         "score": _scores(observations.score),
         "class_id": observations.class_id.tolist(),
@@ -256,12 +275,14 @@ def _label_columns(labelling_id: int, view: LabelledView) -> Columns:
 def _box_columns(labelling_id: int, frame_index: int, camera_id: int, view: LabelledView) -> Columns:
     boxes = view.boxes_3d
     count = len(boxes)
+    track_id = [track if track >= 0 else None for track in view.track_of_boxes_3d().tolist()]
     return {
         "labelling_id": [labelling_id] * count,
         "frame_index": [frame_index] * count,
         "camera_id": [camera_id] * count,
         "row": list(range(count)),
-        "track_id": [track if track >= 0 else None for track in view.track_of_boxes_3d().tolist()],
+        "track_id": track_id,
+        "tracked_id": track_id,
         "score": _scores(boxes.score),
         "class_id": boxes.class_id.tolist(),
         "point_count": boxes.num_points.tolist(),

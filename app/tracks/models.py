@@ -14,7 +14,10 @@ from app.db.base import Base, now
 
 
 class LabellingRow(Base):
-    """One result of the pipeline; ``key`` names its inputs and settings."""
+    """One result of the pipeline; ``key`` names its inputs and settings.
+
+    ``since_revision`` is the drive's revision with which readers began to see it.
+    """
 
     __tablename__ = "labelling"
     __table_args__ = ({"sqlite_autoincrement": True},)
@@ -28,32 +31,44 @@ class LabellingRow(Base):
     warnings: Mapped[list[str]]
     observation_count: Mapped[int] = mapped_column(default=0)
     current: Mapped[bool] = mapped_column(default=False)
+    since_revision: Mapped[int] = mapped_column(default=0)
     created_at: Mapped[datetime] = mapped_column(default=now)
 
 
 class TrackRow(Base):
-    """One object in one camera. All but ``identity_id`` never changes."""
+    """One object in one camera: a track as the machine made it, or a piece of one that a person split.
+
+    ``tracked_id`` names the track as tracked, and never changes; the first piece of a track keeps its id.
+    ``best_score`` is NULL where no observation has a score.
+    """
 
     __tablename__ = "track"
     __table_args__ = (
         Index(None, "labelling_id", "identity_id"),
+        Index(None, "labelling_id", "tracked_id"),
         {"sqlite_with_rowid": False},
     )
 
     labelling_id: Mapped[int] = mapped_column(ForeignKey("labelling.id", ondelete="CASCADE"), primary_key=True)
     track_id: Mapped[int] = mapped_column(primary_key=True, autoincrement=False)
+    tracked_id: Mapped[int]
     camera_id: Mapped[int] = mapped_column(ForeignKey("camera.id", ondelete="CASCADE"), index=True)
     first_frame: Mapped[int]
     last_frame: Mapped[int]
     observation_count: Mapped[int]
-    best_score: Mapped[float]
+    best_score: Mapped[float | None]
     best_frame: Mapped[int]
     class_id: Mapped[int]
     identity_id: Mapped[int]
 
 
 class ObservationRow(Base):
-    """A box of a track in one image, as tracked. ``score`` is NULL where the tracker filled the box in."""
+    """A box in one image, as tracked, or ``drawn`` by a person.
+
+    ``tracked_id`` is the track as tracked that it was made for, ``track_id`` the track that it belongs to now, NULL
+    where a person deleted it or drew another in its place. ``score`` is NULL where the tracker filled the box in, and
+    where a person drew it; ``filled`` tells that the box lies between known ones.
+    """
 
     __tablename__ = "observation"
     __table_args__ = (
@@ -62,11 +77,13 @@ class ObservationRow(Base):
         ),
         Index(None, "labelling_id", "frame_index"),
         Index(None, "labelling_id", "track_id", "frame_index", unique=True),
+        Index(None, "labelling_id", "tracked_id", "frame_index"),
     )
 
     id: Mapped[int] = mapped_column(primary_key=True)
     labelling_id: Mapped[int]
-    track_id: Mapped[int]
+    tracked_id: Mapped[int]
+    track_id: Mapped[int | None]
     frame_index: Mapped[int]
     x1_px: Mapped[float]
     y1_px: Mapped[float]
@@ -75,12 +92,14 @@ class ObservationRow(Base):
     score: Mapped[float | None]
     class_id: Mapped[int]
     filled: Mapped[bool]
+    drawn: Mapped[bool] = mapped_column(default=False)
 
 
 class LabelRow(Base):
     """The label of one observation; derived. The donor is named by its track and frame.
 
-    ``score`` is NULL where neither the observation nor any other of its identity has one.
+    ``score`` is NULL where neither the observation nor any other of its identity has one. What a person said (class, or
+    the box itself) has the source ``human``, the score 1, and itself as the donor.
     """
 
     __tablename__ = "label"
@@ -102,7 +121,11 @@ class LabelRow(Base):
 
 
 class Box3DRow(Base):
-    """A 3D box made for one camera direction, in the ego frame [m, rad]; ``track_id`` is NULL where no track has it."""
+    """A 3D box made for one camera direction, in the ego frame [m, rad].
+
+    ``tracked_id`` is the track as tracked that has it, NULL where none has. ``track_id`` is the track now; it is NULL
+    beside a ``tracked_id`` where a person deleted the observation.
+    """
 
     __tablename__ = "box3d"
     __table_args__ = (
@@ -114,6 +137,7 @@ class Box3DRow(Base):
     frame_index: Mapped[int] = mapped_column(primary_key=True, autoincrement=False)
     camera_id: Mapped[int] = mapped_column(ForeignKey("camera.id", ondelete="CASCADE"), primary_key=True, index=True)
     row: Mapped[int] = mapped_column(primary_key=True, autoincrement=False)
+    tracked_id: Mapped[int | None]
     track_id: Mapped[int | None]
     center_x_m: Mapped[float]
     center_y_m: Mapped[float]

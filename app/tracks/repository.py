@@ -3,7 +3,21 @@
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple, cast
 
-from sqlalchemy import CursorResult, Integer, and_, column, delete, func, insert, or_, select, update, values
+from sqlalchemy import (
+    CursorResult,
+    Integer,
+    and_,
+    column,
+    delete,
+    exists,
+    func,
+    insert,
+    or_,
+    select,
+    true,
+    update,
+    values,
+)
 from sqlalchemy.orm import Session
 
 from app.db.base import Base
@@ -156,14 +170,20 @@ def find_labelling(session: Session, labelling_id: int) -> LabellingRow:
     return session.get_one(LabellingRow, labelling_id)
 
 
-def make_current(session: Session, labelling_id: int, *, drive_id: int, observation_count: int) -> None:
-    """Let readers see this labelling of the drive, and no other."""
+def make_current(
+    session: Session, labelling_id: int, *, drive_id: int, observation_count: int, since_revision: int
+) -> None:
+    """Let readers see this labelling of the drive, and no other. ``observation_count`` is without people's edits."""
     drive = LabellingRow.drive_id == drive_id
     session.execute(update(LabellingRow).where(drive).values(current=False))
     session.execute(
         update(LabellingRow)
         .where(LabellingRow.id == labelling_id)
-        .values(current=True, observation_count=observation_count)
+        .values(
+            current=True,
+            observation_count=LabellingRow.observation_count + observation_count,
+            since_revision=since_revision,
+        )
     )
 
 
@@ -185,7 +205,11 @@ def delete_some_tracks(session: Session, labelling_id: int, *, at_most: int) -> 
 
 
 def delete_labelling(session: Session, labelling_id: int) -> None:
-    """Delete a labelling and all that is left of it."""
+    """Delete a labelling and all that is left of it; boxes that people deleted belong to no track."""
+    session.execute(
+        delete(ObservationRow).where(ObservationRow.labelling_id == labelling_id),
+        execution_options={"synchronize_session": False},
+    )
     session.execute(delete(LabellingRow).where(LabellingRow.id == labelling_id))
 
 
@@ -368,7 +392,7 @@ def scores_by_track(session: Session, labelling_id: int) -> list[tuple[int, int,
     """
     query = (
         select(ObservationRow.track_id, ObservationRow.frame_index, func.coalesce(ObservationRow.score, -1.0))
-        .where(ObservationRow.labelling_id == labelling_id)
+        .where(ObservationRow.labelling_id == labelling_id, ObservationRow.track_id.is_not(None))
         .order_by(ObservationRow.track_id, ObservationRow.frame_index)
     )
     return cast("Any", session.connection().execute(query).cursor).fetchall()
@@ -389,13 +413,13 @@ def relabel(
     track_ids: Sequence[int],
     *,
     class_id: int,
-    score: float,
+    score: float | None,
     donor_track_id: int,
     donor_frame_index: int,
 ) -> int:
-    """Give the labels of some tracks another donor, but leave a person's; how many labels change."""
+    """Give the labels of some tracks another donor, but leave those of drawn boxes; how many labels change."""
     is_donor = and_(LabelRow.track_id == donor_track_id, LabelRow.frame_index == donor_frame_index)
-    ours = and_(LabelRow.labelling_id == labelling_id, LabelRow.track_id.in_(track_ids), LabelRow.source != "human")
+    ours = and_(LabelRow.labelling_id == labelling_id, LabelRow.track_id.in_(track_ids), ~_is_drawn())
     given = {
         "class_id": class_id,
         "score": score,
@@ -407,6 +431,7 @@ def relabel(
         LabelRow.donor_frame_index != donor_frame_index,
         LabelRow.class_id != class_id,
         LabelRow.score.is_distinct_from(score),
+        LabelRow.source == "human",
     )
     options = {"synchronize_session": False}
     changed = session.execute(
@@ -414,6 +439,36 @@ def relabel(
     )
     session.execute(update(LabelRow).where(ours, is_donor).values(source="auto"), execution_options=options)
     return cast("CursorResult[Any]", changed).rowcount
+
+
+def label_by_person(
+    session: Session, labelling_id: int, track_ids: Sequence[int], *, class_id: int, score: float, drawn_only: bool
+) -> int:
+    """Let the labels of some tracks, or of their drawn boxes, be a person's word; how many labels change."""
+    differs = or_(LabelRow.source != "human", LabelRow.class_id != class_id, LabelRow.score.is_distinct_from(score))
+    ours = and_(LabelRow.labelling_id == labelling_id, LabelRow.track_id.in_(track_ids))
+    changed = session.execute(
+        update(LabelRow)
+        .where(ours, differs, _is_drawn() if drawn_only else true())
+        .values(
+            class_id=class_id,
+            score=score,
+            source="human",
+            donor_track_id=LabelRow.track_id,
+            donor_frame_index=LabelRow.frame_index,
+        ),
+        execution_options={"synchronize_session": False},
+    )
+    return cast("CursorResult[Any]", changed).rowcount
+
+
+def _is_drawn() -> Any:
+    """Whether a label is that of a box that a person drew."""
+    return exists().where(
+        _same_track(ObservationRow, LabelRow),
+        ObservationRow.frame_index == LabelRow.frame_index,
+        ObservationRow.drawn,
+    )
 
 
 def camera_names(session: Session, drive_id: int) -> dict[int, str]:

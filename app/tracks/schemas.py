@@ -17,7 +17,7 @@ class LabelDonor(BaseModel):
     observation_id: int
     camera: str
     frame_index: int
-    score: float
+    score: float | None
 
 
 class Label(BaseModel):
@@ -62,7 +62,7 @@ class Track(BaseModel):
     last_frame: int
     observation_count: int
     identity_id: int
-    best_score: float
+    best_score: float | None = Field(description="Null where no observation of the track has a score.")
     best_frame: int
     class_name: str
 

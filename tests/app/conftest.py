@@ -1,11 +1,13 @@
 """The real app on a workspace of its own, with a tiny drive in it."""
 
+import shutil
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import pytest
+from sqlalchemy import make_url
 
 from app.db.engine import migrate, open_engine
 from app.db.session import Store
@@ -25,11 +27,24 @@ def settings(tmp_path: Path) -> Settings:
     )
 
 
-@pytest.fixture
-def store(settings: Settings) -> Iterator[Store]:
-    """The migrated store of the workspace."""
-    engine = open_engine(settings.store_url)
+@pytest.fixture(scope="session")
+def migrated_store(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The file of a migrated store without anything in it."""
+    path = tmp_path_factory.mktemp("store") / "hindsight.db"
+    engine = open_engine(f"sqlite:///{path}")
     migrate(engine)
+    engine.dispose()
+    return path
+
+
+@pytest.fixture
+def store(settings: Settings, migrated_store: Path) -> Iterator[Store]:
+    """The migrated store of the workspace."""
+    url = make_url(settings.store_url)
+    assert url.database is not None
+    settings.workspace.mkdir(exist_ok=True)
+    shutil.copy(migrated_store, url.database)
+    engine = open_engine(settings.store_url)
     yield Store(engine)
     engine.dispose()
 

@@ -332,6 +332,110 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/drives/{drive_id}/edits": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Edits
+         * @description The log: all decisions about the drive, newest first.
+         */
+        get: operations["list_edits"];
+        put?: never;
+        /**
+         * Make Edit
+         * @description Correct labels. 409 where the correction can't be, or where the same objects have changed since `revision`.
+         */
+        post: operations["make_edit"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/drives/{drive_id}/undo": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Undo Edit
+         * @description Take back the reviewer's latest decision, or the named one.
+         */
+        post: operations["undo_edit"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/drives/{drive_id}/redo": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Redo Edit
+         * @description Make the decision again that the reviewer undid last, or the named one.
+         */
+        post: operations["redo_edit"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/drives/{drive_id}/comments": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Comments
+         * @description Comments on the drive's objects, the oldest first.
+         */
+        get: operations["list_comments"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/drives/{drive_id}/events": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Follow Drive
+         * @description Server-sent events: the drive's revision, whenever its labels have changed.
+         */
+        get: operations["follow_drive"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/drives/{drive_id}/jobs": {
         parameters: {
             query?: never;
@@ -629,6 +733,45 @@ export interface components {
             /** Fn */
             fn: number;
         };
+        /**
+         * BoxEdit
+         * @description A box as a person draws it: of a track, else of an identity in a camera, else of a new object of a class.
+         *
+         *     With ``interpolate`` the frames between it and the next ones of its track that a person drew get boxes, where they
+         *     have none.
+         */
+        BoxEdit: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "box";
+            /** Camera */
+            camera: string;
+            /** Frame Index */
+            frame_index: number;
+            /**
+             * Box
+             * @description x1, y1, x2, y2 in pixels of the original image.
+             */
+            box: [
+                number,
+                number,
+                number,
+                number
+            ];
+            /** Track Id */
+            track_id?: number | null;
+            /** Identity Id */
+            identity_id?: number | null;
+            /** Class Name */
+            class_name?: string | null;
+            /**
+             * Interpolate
+             * @default true
+             */
+            interpolate: boolean;
+        };
         /** Camera */
         Camera: {
             /** Name */
@@ -652,15 +795,84 @@ export interface components {
          */
         Check: "speed" | "size" | "yaw" | "twice";
         /**
+         * ClassEdit
+         * @description The objects are of this class, one that the labelling has.
+         */
+        ClassEdit: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "class";
+            /** Identity Ids */
+            identity_ids: number[];
+            /** Class Name */
+            class_name: string;
+        };
+        /**
          * ClassMode
          * @enum {string}
          */
         ClassMode: "aware" | "agnostic";
+        /** Comment */
+        Comment: {
+            /** Edit Id */
+            edit_id: number;
+            /** Identity Id */
+            identity_id: number;
+            /** Text */
+            text: string;
+            /** Reviewer */
+            reviewer: string;
+            /**
+             * Created At
+             * Format: date-time
+             */
+            created_at: string;
+        };
+        /** CommentEdit */
+        CommentEdit: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "comment";
+            /** Identity Ids */
+            identity_ids: number[];
+            /** Text */
+            text: string;
+        };
         /**
          * DecidedBy
          * @enum {string}
          */
         DecidedBy: "machine" | "person";
+        /**
+         * DeleteEdit
+         * @description There is no such object, track or box.
+         */
+        DeleteEdit: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "delete";
+            /**
+             * Identity Ids
+             * @default []
+             */
+            identity_ids: number[];
+            /**
+             * Track Ids
+             * @default []
+             */
+            track_ids: number[];
+            /**
+             * Observations
+             * @default []
+             */
+            observations: components["schemas"]["ObservationPlace"][];
+        };
         /**
          * Drive
          * @description A recorded drive in a list; ``job`` is its latest label job.
@@ -802,6 +1014,98 @@ export interface components {
          * @enum {string}
          */
         DriveState: "new" | "queued" | "labelling" | "ready" | "failed";
+        /**
+         * Edit
+         * @description A decision of a person, as it was made; numbers of objects and tracks are those of that time.
+         */
+        Edit: {
+            /** Id */
+            id: number;
+            action: components["schemas"]["EditAction"];
+            /** Reviewer */
+            reviewer: string;
+            /**
+             * Created At
+             * Format: date-time
+             */
+            created_at: string;
+            /** Undone */
+            undone: boolean;
+            /**
+             * Target Id
+             * @description The decision that was undone or made again.
+             */
+            target_id: number | null;
+            /** Revision */
+            revision: number;
+            /**
+             * Identity Ids
+             * @default []
+             */
+            identity_ids: number[];
+            /**
+             * Track Ids
+             * @default []
+             */
+            track_ids: number[];
+            /** Frame Index */
+            frame_index?: number | null;
+            /** Until Frame */
+            until_frame?: number | null;
+            /** Camera */
+            camera?: string | null;
+            /** Class Name */
+            class_name?: string | null;
+            mark?: components["schemas"]["MarkChoice"] | null;
+            /** Text */
+            text?: string | null;
+        };
+        /**
+         * EditAction
+         * @description What a decision does. The first are about a merge, the last two about another decision.
+         * @enum {string}
+         */
+        EditAction: "accept" | "reject" | "unsure" | "undo" | "class" | "split" | "join" | "swap" | "delete" | "box" | "interpolate" | "mark" | "comment" | "undo_edit" | "redo_edit";
+        /**
+         * EditChange
+         * @description What a correction changed; ``identity_ids`` are the identities that its tracks are in afterwards.
+         */
+        EditChange: {
+            edit: components["schemas"]["Edit"];
+            /** Changed Label Count */
+            changed_label_count: number;
+            /** Identity Ids */
+            identity_ids: number[];
+            /** Revision */
+            revision: number;
+        };
+        /**
+         * EditPage
+         * @description Decisions, newest first. ``next_before`` asks for older ones; null at the end.
+         */
+        EditPage: {
+            /** Edits */
+            edits: components["schemas"]["Edit"][];
+            /** Next Before */
+            next_before: number | null;
+            /** @description What undoing would take back for this reviewer. */
+            undo: components["schemas"]["Edit"] | null;
+            /** @description What redoing would make again. */
+            redo: components["schemas"]["Edit"] | null;
+        };
+        /**
+         * EditRequest
+         * @description One correction, of however many objects: one step of undo.
+         */
+        EditRequest: {
+            /** Edit */
+            edit: components["schemas"]["ClassEdit"] | components["schemas"]["SplitEdit"] | components["schemas"]["JoinEdit"] | components["schemas"]["SwapEdit"] | components["schemas"]["DeleteEdit"] | components["schemas"]["BoxEdit"] | components["schemas"]["InterpolateEdit"] | components["schemas"]["MarkEdit"] | components["schemas"]["CommentEdit"];
+            /**
+             * Revision
+             * @description The revision that the page had read; refused (409, stale) where the same objects changed.
+             */
+            revision?: number | null;
+        };
         /**
          * ErrorBody
          * @description What every answer other than 2xx holds.
@@ -946,7 +1250,7 @@ export interface components {
             /** Class Name */
             class_name: string;
             /** Score */
-            score: number;
+            score: number | null;
             /** Camera Names */
             camera_names: string[];
             /** Track Ids */
@@ -960,6 +1264,11 @@ export interface components {
             /** Propagated Count */
             propagated_count: number;
             donor: components["schemas"]["IdentityDonor"];
+            /** Class By Person */
+            class_by_person: boolean;
+            mark: components["schemas"]["IdentityMark"] | null;
+            /** Comment Count */
+            comment_count: number;
         };
         /**
          * IdentityDonor
@@ -974,8 +1283,11 @@ export interface components {
             camera: string;
             /** Frame Index */
             frame_index: number;
-            /** Score */
-            score: number;
+            /**
+             * Score
+             * @description Null where no observation of the identity has one.
+             */
+            score: number | null;
         };
         /**
          * IdentityFacts
@@ -990,6 +1302,29 @@ export interface components {
             farthest_m: number | null;
             /** Failed */
             failed: components["schemas"]["FailedCheck"][];
+        };
+        /**
+         * IdentityMark
+         * @description What a person says of an object: looked at and right, or to be left out of what is exported.
+         * @enum {string}
+         */
+        IdentityMark: "reviewed" | "ignored";
+        /**
+         * InterpolateEdit
+         * @description Between two frames of a track its boxes lie on straight ways from the one to the other.
+         */
+        InterpolateEdit: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "interpolate";
+            /** Track Id */
+            track_id: number;
+            /** First Frame */
+            first_frame: number;
+            /** Last Frame */
+            last_frame: number;
         };
         /**
          * Job
@@ -1035,6 +1370,19 @@ export interface components {
          */
         JobState: "queued" | "running" | "done" | "failed" | "cancelled";
         /**
+         * JoinEdit
+         * @description The identities are one object.
+         */
+        JoinEdit: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "join";
+            /** Identity Ids */
+            identity_ids: number[];
+        };
+        /**
          * Label
          * @description What an observation is taken for; ``score`` is null where neither it nor its identity has one.
          */
@@ -1058,7 +1406,7 @@ export interface components {
             /** Frame Index */
             frame_index: number;
             /** Score */
-            score: number;
+            score: number | null;
         };
         /**
          * LabelHistogram
@@ -1145,6 +1493,25 @@ export interface components {
             class_name: string;
             /** Score */
             score: number | null;
+        };
+        /**
+         * MarkChoice
+         * @enum {string}
+         */
+        MarkChoice: "reviewed" | "ignored" | "open";
+        /**
+         * MarkEdit
+         * @description The objects were looked at, are to be left out of what is exported, or neither.
+         */
+        MarkEdit: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "mark";
+            /** Identity Ids */
+            identity_ids: number[];
+            mark: components["schemas"]["MarkChoice"];
         };
         /**
          * Merge
@@ -1372,6 +1739,13 @@ export interface components {
             /** Frames */
             frames: components["schemas"]["FrameObservations"][];
         };
+        /** ObservationPlace */
+        ObservationPlace: {
+            /** Track Id */
+            track_id: number;
+            /** Frame Index */
+            frame_index: number;
+        };
         /**
          * Origin
          * @description Where a model comes from.
@@ -1453,6 +1827,36 @@ export interface components {
             };
         };
         /**
+         * SplitEdit
+         * @description In this frame another object begins in each of the tracks.
+         */
+        SplitEdit: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "split";
+            /** Track Ids */
+            track_ids: number[];
+            /** Frame Index */
+            frame_index: number;
+        };
+        /**
+         * SwapEdit
+         * @description From this frame on each of the two identities is the other one, in all cameras and in 3D.
+         */
+        SwapEdit: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "swap";
+            /** Identity Ids */
+            identity_ids: number[];
+            /** Frame Index */
+            frame_index: number;
+        };
+        /**
          * TableRow
          * @description A line of the table; precision is null without labels, recall without truth.
          */
@@ -1493,8 +1897,11 @@ export interface components {
             observation_count: number;
             /** Identity Id */
             identity_id: number;
-            /** Best Score */
-            best_score: number;
+            /**
+             * Best Score
+             * @description Null where no observation of the track has a score.
+             */
+            best_score: number | null;
             /** Best Frame */
             best_frame: number;
             /** Class Name */
@@ -1524,6 +1931,19 @@ export interface components {
          * @enum {string}
          */
         TruthKind: "whole" | "visible";
+        /**
+         * UndoRequest
+         * @description ``edit_id`` names a decision; without it, the reviewer's latest one that is not undone (or that is, to redo).
+         */
+        UndoRequest: {
+            /** Edit Id */
+            edit_id?: number | null;
+            /**
+             * Revision
+             * @description The revision that the page had read; refused (409, stale) where the same objects changed.
+             */
+            revision?: number | null;
+        };
         /**
          * Way
          * @description Places in order of time, seen from above, a value each in every column; the car's own has no sizes.
@@ -2017,7 +2437,10 @@ export interface operations {
     accept_merge: {
         parameters: {
             query?: never;
-            header?: never;
+            header?: {
+                /** @description Who decides, percent-encoded; without it, the reviewer of the server's settings. */
+                "Hindsight-Reviewer"?: string | null;
+            };
             path: {
                 merge_id: number;
             };
@@ -2048,7 +2471,10 @@ export interface operations {
     reject_merge: {
         parameters: {
             query?: never;
-            header?: never;
+            header?: {
+                /** @description Who decides, percent-encoded; without it, the reviewer of the server's settings. */
+                "Hindsight-Reviewer"?: string | null;
+            };
             path: {
                 merge_id: number;
             };
@@ -2079,7 +2505,10 @@ export interface operations {
     leave_merge_open: {
         parameters: {
             query?: never;
-            header?: never;
+            header?: {
+                /** @description Who decides, percent-encoded; without it, the reviewer of the server's settings. */
+                "Hindsight-Reviewer"?: string | null;
+            };
             path: {
                 merge_id: number;
             };
@@ -2110,7 +2539,10 @@ export interface operations {
     undo_merge: {
         parameters: {
             query?: never;
-            header?: never;
+            header?: {
+                /** @description Who decides, percent-encoded; without it, the reviewer of the server's settings. */
+                "Hindsight-Reviewer"?: string | null;
+            };
             path: {
                 merge_id: number;
             };
@@ -2125,6 +2557,223 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["MergeChange"];
+                };
+            };
+            /** @description What was wrong, where, and what to do. */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    list_edits: {
+        parameters: {
+            query?: {
+                /** @description Only decisions before this one. */
+                before?: number | null;
+                limit?: number;
+            };
+            header?: {
+                /** @description Who decides, percent-encoded; without it, the reviewer of the server's settings. */
+                "Hindsight-Reviewer"?: string | null;
+            };
+            path: {
+                drive_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["EditPage"];
+                };
+            };
+            /** @description What was wrong, where, and what to do. */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    make_edit: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description Who decides, percent-encoded; without it, the reviewer of the server's settings. */
+                "Hindsight-Reviewer"?: string | null;
+            };
+            path: {
+                drive_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["EditRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["EditChange"];
+                };
+            };
+            /** @description What was wrong, where, and what to do. */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    undo_edit: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description Who decides, percent-encoded; without it, the reviewer of the server's settings. */
+                "Hindsight-Reviewer"?: string | null;
+            };
+            path: {
+                drive_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["UndoRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["EditChange"];
+                };
+            };
+            /** @description What was wrong, where, and what to do. */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    redo_edit: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description Who decides, percent-encoded; without it, the reviewer of the server's settings. */
+                "Hindsight-Reviewer"?: string | null;
+            };
+            path: {
+                drive_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["UndoRequest"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["EditChange"];
+                };
+            };
+            /** @description What was wrong, where, and what to do. */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    list_comments: {
+        parameters: {
+            query?: {
+                /** @description Only comments on this object. */
+                identity_id?: number | null;
+            };
+            header?: never;
+            path: {
+                drive_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Comment"][];
+                };
+            };
+            /** @description What was wrong, where, and what to do. */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    follow_drive: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                drive_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description `event: revision` with a DriveRevision as data. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "text/event-stream": unknown;
                 };
             };
             /** @description What was wrong, where, and what to do. */

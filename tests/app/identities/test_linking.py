@@ -157,4 +157,7 @@ def test_an_identity_in_full(page: Page) -> None:
         "last_frame": 5,
         "observation_count": 10,
         "propagated_count": 9,
+        "class_by_person": False,
+        "mark": None,
+        "comment_count": 0,
     }

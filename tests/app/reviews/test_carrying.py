@@ -13,7 +13,7 @@ from tests.app.made_labels import MERGES, TRACKS, MadeTrack, make_labelled_drive
 NEW_ID = {1: 11, 2: 8, 3: 7, 4: 15, 5: 3}
 
 
-def _renumbered(
+def renumbered(
     *,
     shift_px: float = 1.0,
     without: int | None = None,
@@ -49,7 +49,7 @@ def _label_again(
 def test_decisions_hold_for_the_same_objects_under_other_numbers(store: Store, page: Page) -> None:
     page.decide("accept", 3, 4)
     page.decide("reject", 1, 2)
-    assert _label_again(store, page, *_renumbered()) == []
+    assert _label_again(store, page, *renumbered()) == []
     accepted, rejected = page.merge(7, 15), page.merge(8, 11)
     assert (accepted["state"], accepted["decided_by"]) == ("accepted", "person")
     assert (rejected["state"], rejected["decided_by"]) == ("rejected", "person")
@@ -61,7 +61,7 @@ def test_decisions_hold_for_the_same_objects_under_other_numbers(store: Store, p
 
 def test_decisions_can_be_undone_after_labelling_again(store: Store, page: Page) -> None:
     page.decide("accept", 3, 4)
-    _label_again(store, page, *_renumbered())
+    _label_again(store, page, *renumbered())
     undone = page.decide("undo", 7, 15)
     assert (undone["merge"]["state"], undone["merge"]["decided_by"]) == ("proposed", "machine")
     _label_again(store, page, TRACKS, MERGES, key="third")
@@ -77,14 +77,14 @@ def test_decisions_can_be_undone_after_labelling_again(store: Store, page: Page)
 )
 def test_half_an_overlap_makes_the_same_object(store: Store, page: Page, shift_px: float, holds: bool) -> None:
     page.decide("accept", 3, 4)
-    warnings = _label_again(store, page, *_renumbered(shift_px=shift_px))
+    warnings = _label_again(store, page, *renumbered(shift_px=shift_px))
     assert (page.merge(7, 15)["state"] == "accepted") is holds
     assert (warnings == []) is holds
 
 
 def test_a_decision_that_finds_no_track_waits_for_the_next_labelling(store: Store, page: Page) -> None:
     page.decide("accept", 3, 4)
-    (warning,) = _label_again(store, page, *_renumbered(without=4))
+    (warning,) = _label_again(store, page, *renumbered(without=4))
     assert warning.startswith("1 earlier decision")
     assert _label_again(store, page, TRACKS, MERGES, key="third") == []
     assert (page.merge(3, 4)["state"], page.merge(3, 4)["decided_by"]) == ("accepted", "person")
@@ -92,7 +92,7 @@ def test_a_decision_that_finds_no_track_waits_for_the_next_labelling(store: Stor
 
 def test_a_merge_that_the_machine_no_longer_proposes_is_kept_with_its_evidence(store: Store, page: Page) -> None:
     page.decide("accept", 3, 4)
-    tracks, _ = _renumbered()
+    tracks, _ = renumbered()
     assert _label_again(store, page, tracks, ()) == []
     merge = page.merge(7, 15)
     assert (merge["state"], merge["decided_by"], merge["score"]) == ("accepted", "person", 0.4)
@@ -126,5 +126,5 @@ def test_the_machine_may_have_fewer_tracks_this_time(store: Store, page: Page) -
 def test_a_second_decision_about_the_same_objects_replaces_the_first(store: Store, page: Page) -> None:
     page.decide("accept", 3, 4)
     page.decide("reject", 3, 4)
-    _label_again(store, page, *_renumbered())
+    _label_again(store, page, *renumbered())
     assert (page.merge(7, 15)["state"], page.merge(7, 15)["decided_by"]) == ("rejected", "person")
