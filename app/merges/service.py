@@ -90,7 +90,7 @@ def _change(session: Session, merge: MergeRow, *, near: Iterable[int] = (), chan
     pair = tracks_repository.tracks_with(session, labelling_id, tracks_of_merge(merge))
     identity_ids = {track.identity_id for track in pair}
     reached = tracks_repository.tracks_of_identities(session, labelling_id, identity_ids | set(near))
-    rows = repository.merges_oftracks_of_merge(session, labelling_id, [track.track_id for track in reached])
+    rows = repository.merges_of_tracks(session, labelling_id, [track.track_id for track in reached])
     tracks = tracks_repository.tracks_of_same_identities(
         session, labelling_id, {track for row in rows for track in tracks_of_merge(row)}
     )

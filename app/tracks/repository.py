@@ -363,7 +363,7 @@ def _donors(
         asked = some.data(pairs[start : start + PAIRS_PER_QUERY]).cte("wanted")
         query = (
             select(
-                ObservationRow.track_id,
+                TrackRow.track_id,
                 ObservationRow.frame_index,
                 ObservationRow.id,
                 TrackRow.camera_id,

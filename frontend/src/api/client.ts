@@ -8,6 +8,7 @@
 import createClient from "openapi-fetch";
 import { text } from "../strings";
 import { useConnection } from "./connection";
+import { REVIEWER_HEADER, reviewerHeader } from "./reviewer";
 import type { paths } from "./schema.gen";
 
 export class ApiError extends Error {
@@ -54,6 +55,14 @@ export function errorFromBody(status: number, body: unknown): ApiError {
 }
 
 export const api = createClient<paths>({ fetch: trackedFetch });
+
+api.use({
+  onRequest({ request }) {
+    const reviewer = reviewerHeader();
+    if (reviewer) request.headers.set(REVIEWER_HEADER, reviewer);
+    return request;
+  },
+});
 
 type Answer<T> = { data?: T; error?: unknown; response: Response };
 

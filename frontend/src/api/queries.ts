@@ -1,6 +1,12 @@
 /** What the page reads from the server, with one key for each. */
 
-import { keepPreviousData, QueryClient, queryOptions, replaceEqualDeep } from "@tanstack/react-query";
+import {
+  infiniteQueryOptions,
+  keepPreviousData,
+  QueryClient,
+  queryOptions,
+  replaceEqualDeep,
+} from "@tanstack/react-query";
 import { keepPriorities } from "../review/queue/queueLists";
 import { ApiError, api, unwrap } from "./client";
 import type { Drive, DriveDetail, Merge, MergeLooks, Track } from "./types";
@@ -63,6 +69,24 @@ export const identitiesQuery = (id: number) =>
   queryOptions({
     queryKey: ["drive", id, "identities"],
     queryFn: ({ signal }) => unwrap(api.GET("/api/drives/{drive_id}/identities", { ...at(id), signal })),
+  });
+
+export const commentsQuery = (id: number) =>
+  queryOptions({
+    queryKey: ["drive", id, "comments"],
+    queryFn: ({ signal }) => unwrap(api.GET("/api/drives/{drive_id}/comments", { ...at(id), signal })),
+  });
+
+/** The log, newest first, a page at a time. */
+export const editsQuery = (id: number) =>
+  infiniteQueryOptions({
+    queryKey: ["drive", id, "edits"],
+    initialPageParam: null as number | null,
+    queryFn: ({ signal, pageParam }) => {
+      const params = { path: { drive_id: id }, query: { before: pageParam } };
+      return unwrap(api.GET("/api/drives/{drive_id}/edits", { params, signal }));
+    },
+    getNextPageParam: (page) => page.next_before,
   });
 
 export const mergesKey = (id: number) => ["drive", id, "merges"] as const;

@@ -16,6 +16,14 @@ export type Look = Schemas["Look"];
 export type Way = Schemas["Way"];
 export type MergeChange = Schemas["MergeChange"];
 export type Model = Schemas["Model"];
+export type Edit = Schemas["Edit"];
+export type EditChange = Schemas["EditChange"];
+export type Correction = Schemas["EditRequest"]["edit"];
+/** What the drive's events say: its revision, and the latest decision. */
+export interface DriveRevision {
+  revision: number;
+  edit: Edit | null;
+}
 export type Job = Schemas["Job"];
 export type Export = Schemas["Export"];
 export type LabelHistogram = Schemas["LabelHistogram"];

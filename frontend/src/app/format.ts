@@ -24,6 +24,13 @@ export function metres(value: number | null | undefined): string {
   return value == null || !Number.isFinite(value) ? "–" : `${value.toFixed(value < 10 ? 2 : 1)} m`;
 }
 
+const moment = new Intl.DateTimeFormat("en", { dateStyle: "medium", timeStyle: "short" });
+
+/** "2026-11-25T20:50:00Z" -> "Nov 25, 2026, 8:50 PM", in the time of this place. */
+export function when(time: string): string {
+  return moment.format(new Date(time));
+}
+
 /** 95_300 -> "1:35.3" */
 export function clock(ms: number): string {
   const tenths = Math.round(ms / 100);

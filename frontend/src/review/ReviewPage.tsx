@@ -1,5 +1,5 @@
 import { ActionIcon, Button, Center, Loader, Text, Tooltip } from "@mantine/core";
-import { IconChartLine, IconCube3dSphere, IconGitMerge, IconKeyboard } from "@tabler/icons-react";
+import { IconChartLine, IconCube3dSphere, IconGitMerge, IconHistory, IconKeyboard } from "@tabler/icons-react";
 import { useQuery } from "@tanstack/react-query";
 import { lazy, Suspense, useCallback, useEffect, useState } from "react";
 import { Link } from "wouter";
@@ -15,6 +15,10 @@ import { LabelButton } from "../drives/LabelButton";
 import { text } from "../strings";
 import { Coach } from "./Coach";
 import { CameraGrid } from "./cameras/CameraGrid";
+import { DrawBar } from "./edits/DrawBar";
+import { EditNoticeBar } from "./edits/EditNoticeBar";
+import { useDriveEvents } from "./edits/useDriveEvents";
+import { useEditKeys } from "./edits/useEditKeys";
 import { Key, withKey } from "./keys/Key";
 import { KeyHelp } from "./keys/KeyHelp";
 import { useKeys } from "./keys/useKeys";
@@ -55,6 +59,8 @@ export function ReviewPage({ driveId }: { driveId: number }) {
   );
 }
 
+const LogDrawer = lazy(() => import("./edits/LogDrawer").then((module) => ({ default: module.LogDrawer })));
+
 const PANEL = { min: 330, max: 900 };
 const SCENE = { min: 140, max: 1200 };
 
@@ -76,6 +82,9 @@ function Review({ drive }: { drive: DriveDetail }) {
   useEffect(() => {
     document.title = `${drive.name} · ${text.app.name}`;
   }, [drive.name]);
+  const [logOpen, setLogOpen] = useState(false);
+  useDriveEvents();
+  useEditKeys(() => setLogOpen(true));
   useKeys({
     mergesShown,
     toggleScene: () => setSceneOpen(!sceneOpen),
@@ -91,6 +100,7 @@ function Review({ drive }: { drive: DriveDetail }) {
             sceneOpen={sceneOpen}
             onScene={() => setSceneOpen(!sceneOpen)}
             onHelp={() => setHelpOpen(true)}
+            onLog={() => setLogOpen(true)}
           />
         }
       >
@@ -117,6 +127,7 @@ function Review({ drive }: { drive: DriveDetail }) {
       ) : (
         <div className={classes.body}>
           <main className={classes.main}>
+            <DrawBar />
             <CameraGrid />
             <Timeline />
           </main>
@@ -146,6 +157,8 @@ function Review({ drive }: { drive: DriveDetail }) {
           </aside>
         </div>
       )}
+      <EditNoticeBar />
+      <Suspense fallback={null}>{logOpen && <LogDrawer opened onClose={() => setLogOpen(false)} />}</Suspense>
       <KeyHelp opened={helpOpen} onClose={() => setHelpOpen(false)} />
     </div>
   );
@@ -156,9 +169,10 @@ interface ActionsProps {
   sceneOpen: boolean;
   onScene: () => void;
   onHelp: () => void;
+  onLog: () => void;
 }
 
-function Actions({ drive, sceneOpen, onScene, onHelp }: ActionsProps) {
+function Actions({ drive, sceneOpen, onScene, onHelp, onLog }: ActionsProps) {
   return (
     <>
       {drive.state === "ready" && <QueueButton />}
@@ -188,6 +202,11 @@ function Actions({ drive, sceneOpen, onScene, onHelp }: ActionsProps) {
       >
         {text.scene.view}
       </Button>
+      <Tooltip label={withKey(text.edits.showLog, "log")}>
+        <ActionIcon variant="subtle" color="gray" aria-label={text.edits.showLog} onClick={onLog}>
+          <IconHistory size={19} />
+        </ActionIcon>
+      </Tooltip>
       <Tooltip label={withKey(text.review.showKeys, "help")}>
         <ActionIcon variant="subtle" color="gray" aria-label={text.review.showKeys} onClick={onHelp}>
           <IconKeyboard size={19} />

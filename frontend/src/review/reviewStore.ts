@@ -24,6 +24,8 @@ export interface ReviewState extends UrlState {
   setSpeed: (speed: number) => void;
   /** Selects identities. `tab` opens a tab with it. */
   select: (identityIds: number[], tab?: Tab) => void;
+  /** Adds an identity to the selection, or takes it out. */
+  toggle: (identityId: number) => void;
   selectMerge: (mergeId: number, identityIds: number[], frame: number | null) => void;
   setHover: (hover: Hover | null) => void;
   setTab: (tab: Tab) => void;
@@ -53,6 +55,11 @@ export function createReviewStore(initial: UrlState, frameCount: number): Review
     setPlaying: (playing) => set({ playing }),
     setSpeed: (speed) => set({ speed }),
     select: (identityIds, tab) => set({ identityIds, mergeId: null, tab: tab ?? get().tab }),
+    toggle: (identityId) => {
+      const before = get().identityIds;
+      const without = before.filter((one) => one !== identityId);
+      set({ identityIds: without.length < before.length ? without : [...before, identityId], mergeId: null });
+    },
     selectMerge: (mergeId, identityIds, frame) =>
       set({
         mergeId,

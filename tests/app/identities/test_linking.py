@@ -133,6 +133,8 @@ def test_what_holds_depends_on_the_last_words_only(
             by_person = [row for row in merges.list_by_score(session, labelling_id) if row.decided_by == "person"]
     with _labelled_store(three_camera_drive) as (store, labelling_id):
         for row in sorted(by_person, key=lambda row: row.state == "accepted"):  # rejections first: they free the way
+            assert row.track_a is not None
+            assert row.track_b is not None
             _decide(store, labelling_id, row.state.removesuffix("ed"), (row.track_a, row.track_b))
         with store.read() as session:
             assert _accepted(session, labelling_id) == before

@@ -72,6 +72,11 @@ export class ObservationStore {
     return this.get(frame) ?? [];
   }
 
+  /** The revision of the labels that is known; null before the first. */
+  knownRevision(): number | null {
+    return this.revision;
+  }
+
   isOlderThan(revision: number): boolean {
     return this.revision !== null && this.revision < revision;
   }

@@ -84,7 +84,8 @@ export function usePointer(canvas: RefObject<HTMLCanvasElement | null>, target: 
       if (now?.kind === "tool") usePointerTool.getState().tool?.up?.(toolPoint(event));
       if (now?.kind !== "press") return;
       const one = under(event);
-      if (one) store.getState().select([one.identity_id], "selected");
+      if (one && (event.ctrlKey || event.metaKey || event.shiftKey)) store.getState().toggle(one.identity_id);
+      else if (one) store.getState().select([one.identity_id], "selected");
       else store.getState().clear();
     },
     onPointerCancel: () => {

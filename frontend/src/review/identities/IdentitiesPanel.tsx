@@ -10,6 +10,7 @@ import { score } from "../../app/format";
 import { Notice } from "../../app/Notice";
 import { text } from "../../strings";
 import { identityColour } from "../cameras/palette";
+import { MarkIcon } from "../edits/MarkIcon";
 import { useReview, useShared } from "../ReviewContext";
 import { FilterBar } from "./FilterBar";
 import { isReviewed, matches } from "./filter";
@@ -107,7 +108,11 @@ export function IdentitiesPanel() {
                     type="button"
                     className={classes.identity}
                     aria-pressed={identityIds.includes(identity.id)}
-                    onClick={() => store.getState().select([identity.id])}
+                    onClick={(event) => {
+                      const adds = event.ctrlKey || event.metaKey || event.shiftKey;
+                      if (adds) store.getState().toggle(identity.id);
+                      else store.getState().select([identity.id]);
+                    }}
                     onDoubleClick={() => store.getState().setTab("selected")}
                     onPointerEnter={() => hover(identity)}
                     onPointerLeave={() => hover(null)}
@@ -157,6 +162,7 @@ function IdentityRow({ identity, failed }: IdentityRowProps) {
       <span className={classes.main}>
         <span className={classes.title}>
           #{identity.id} {identity.class_name}
+          <MarkIcon identity={identity} />
         </span>
         <span className={classes.cameras}>
           {failed.length > 0 && (

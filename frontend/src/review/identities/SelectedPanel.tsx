@@ -8,12 +8,17 @@ import { Notice } from "../../app/Notice";
 import { text } from "../../strings";
 import { Crop } from "../cameras/Crop";
 import { identityColour } from "../cameras/palette";
+import { Comments } from "../edits/Comments";
+import { EditBar } from "../edits/EditBar";
+import { MarkIcon } from "../edits/MarkIcon";
 import { Key } from "../keys/Key";
 import { useCommitted, useReview, useShared } from "../ReviewContext";
 import { useObservationsAt } from "../useObservationsAt";
 import { nearestFrame } from "./nearestFrame";
 import classes from "./SelectedPanel.module.css";
 
+/** Of many selected objects one looks at the first ones. */
+const MOST_IN_DETAIL = 6;
 const PANEL_SPACE_PX = 34;
 
 /** The selected identities, each with where its label comes from. */
@@ -31,7 +36,8 @@ export function SelectedPanel({ width }: { width: number }) {
   if (!data) return null;
   return (
     <div className={classes.scroller}>
-      {identityIds.map((id) => {
+      <EditBar />
+      {identityIds.slice(0, MOST_IN_DETAIL).map((id) => {
         const identity = data.find((one) => one.id === id);
         return identity ? (
           <IdentityDetail key={id} identity={identity} width={width} />
@@ -58,12 +64,14 @@ function IdentityDetail({ identity, width }: { identity: Identity; width: number
         <span className={classes.swatch} style={{ background: identityColour(identity.id) }} />
         <h2 className={classes.title}>
           #{identity.id} {identity.class_name}
+          <MarkIcon identity={identity} />
         </h2>
         <span className={classes.score}>{score(identity.score)}</span>
       </header>
       <Text size="xs" c="var(--muted)">
-        {text.identities.labels(own, identity.propagated_count)}
+        {identity.class_by_person ? text.edits.classByPerson : text.identities.labels(own, identity.propagated_count)}
       </Text>
+      <Comments identityId={identity.id} />
 
       <h3 className={classes.heading}>{text.identities.labelFrom}</h3>
       <Lineage identity={identity} here={here} width={width} />

@@ -50,7 +50,7 @@ describe("looking for identities", () => {
   });
 
   it("knows what was reviewed and what is not pure, once that is told", () => {
-    const told = { ...car, mark: "reviewed", purity: 0.6 };
+    const told = { ...car, mark: "reviewed" as const, purity: 0.6 };
     expect(matches({ ...NO_FILTER, reviewed: "yes", maxPurity: 0.7 }, told, facts)).toBe(true);
   });
 

@@ -28,10 +28,33 @@ export type Action =
   | "panRight"
   | "panUp"
   | "panDown"
+  | "class1"
+  | "class2"
+  | "class3"
+  | "class4"
+  | "class5"
+  | "class6"
+  | "class7"
+  | "class8"
+  | "class9"
+  | "split"
+  | "join"
+  | "swap"
+  | "draw"
+  | "interpolate"
+  | "markReviewed"
+  | "markIgnored"
+  | "markOpen"
+  | "comment"
+  | "deleteBox"
+  | "deleteObject"
+  | "undoEdit"
+  | "redoEdit"
+  | "log"
   | "help";
 
-export type KeyGroup = "move" | "decide" | "view";
-export const KEY_GROUPS: readonly KeyGroup[] = ["move", "decide", "view"];
+export type KeyGroup = "move" | "decide" | "edit" | "view";
+export const KEY_GROUPS: readonly KeyGroup[] = ["move", "decide", "edit", "view"];
 
 export interface KeyBinding {
   action: Action;
@@ -53,8 +76,31 @@ export const KEY_MAP: readonly KeyBinding[] = [
   { action: "accept", keys: ["a", "Mod+Enter"], group: "decide" },
   { action: "reject", keys: ["r"], group: "decide" },
   { action: "unsure", keys: ["s", "Mod+ "], group: "decide" },
-  { action: "undo", keys: ["u", "Mod+z"], group: "decide" },
   { action: "queue", keys: ["q"], group: "view" },
+  { action: "undo", keys: ["u"], group: "decide" },
+  { action: "undoEdit", keys: ["Mod+z"], group: "edit" },
+  { action: "redoEdit", keys: ["Mod+Shift+z", "Mod+y"], group: "edit" },
+  { action: "class1", keys: ["1"], group: "edit" },
+  { action: "class2", keys: ["2"], group: "edit" },
+  { action: "class3", keys: ["3"], group: "edit" },
+  { action: "class4", keys: ["4"], group: "edit" },
+  { action: "class5", keys: ["5"], group: "edit" },
+  { action: "class6", keys: ["6"], group: "edit" },
+  { action: "class7", keys: ["7"], group: "edit" },
+  { action: "class8", keys: ["8"], group: "edit" },
+  { action: "class9", keys: ["9"], group: "edit" },
+  { action: "join", keys: ["m"], group: "edit" },
+  { action: "split", keys: ["Alt+m"], group: "edit" },
+  { action: "swap", keys: ["Alt+s"], group: "edit" },
+  { action: "draw", keys: ["b"], group: "edit" },
+  { action: "interpolate", keys: ["i"], group: "edit" },
+  { action: "markReviewed", keys: ["w"], group: "edit" },
+  { action: "markIgnored", keys: ["x"], group: "edit" },
+  { action: "markOpen", keys: ["o"], group: "edit" },
+  { action: "comment", keys: ["n"], group: "edit" },
+  { action: "deleteBox", keys: ["Delete"], group: "edit" },
+  { action: "deleteObject", keys: ["Shift+Delete"], group: "edit" },
+  { action: "log", keys: ["h"], group: "edit" },
   { action: "goToDonor", keys: ["g"], group: "view" },
   { action: "enlarge", keys: ["e"], group: "view" },
   { action: "zoomIn", keys: ["+", "="], group: "view" },
