@@ -6,7 +6,7 @@ Every field says in its description what it does; ``docs/settings.md`` lists the
 import ipaddress
 import os
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationError, field_validator
 from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
@@ -59,6 +59,10 @@ class Settings(BaseSettings):
         default=None,
         description="Address of a folder that holds the official model files; `hindsight models pull` takes them from "
         "there.",
+    )
+    identity: Literal["assignment", "baseline"] = Field(
+        default="assignment",
+        description="How tracks are merged: all evidence at once, or the paper's Algorithm 2 as it stands (baseline).",
     )
     allowed_hosts: Annotated[tuple[str, ...], NoDecode] = Field(
         default=(),

@@ -8,18 +8,21 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from rich.table import Table
 
-from app.commands.evaluate import evaluate_drive
+from app.commands.evaluate import evaluate_drive, share
 from app.commands.label import label_settings, store_labels
 from app.commands.options import AsJson, DriveFolder, InputSize, ModelName, SceneName
-from app.commands.terminal import TerminalProgress, say
+from app.commands.terminal import TerminalProgress, say, show_table
 from app.model_choice import chosen_detector
 from app.settings import load_settings
 from labeler.detection import open_detector
-from labeler.drive import open_drive
+from labeler.drive import open_drive, open_truth
+from labeler.evaluation.benchmark_merges import MergeBenchmark, benchmark_merges
 from labeler.evaluation.boxes_3d import BoxReport
 from labeler.evaluation.boxes_3d_cases import BoxFinder, judge_boxes
 from labeler.evaluation.label_benchmark import benchmark_labels
+from labeler.evaluation.made_observations import Noise, scene_of
 from labeler.evaluation.made_up import MadeUp, made_up_labels, write_made_up_drive
 from labeler.evaluation.types import EvaluationConfig
 from labeler.pipeline import SilentProgress
@@ -47,7 +50,7 @@ def pipeline(
     settings = load_settings(model=model)
     recorded = repeat_frames(open_drive(drive, scene=scene), repeat)
     model_file = chosen_detector(settings).path
-    times = benchmark_pipeline(recorded, model=model_file, settings=label_settings(input_size), runs=runs)
+    times = benchmark_pipeline(recorded, model=model_file, settings=label_settings(settings, input_size), runs=runs)
     if as_json:
         typer.echo(json.dumps(times))
         return
@@ -70,7 +73,7 @@ def boxes(
     as_json: AsJson = False,
 ) -> None:
     """Compare the 3D boxes of each camera direction with a drive's 3D truth, and time the LiDAR step."""
-    settings = label_settings(input_size)
+    settings = label_settings(load_settings(), input_size)
     recorded = open_drive(drive, scene=scene)
     file = None if model is None else chosen_detector(load_settings(model=model)).path
     detector = None if file is None else open_detector(file, settings.detection)
@@ -88,20 +91,16 @@ def _print_boxes(report: BoxReport) -> None:
     typer.echo(f"{'true objects in images':34}{'cases':>6}{'boxed':>7}{'off':>9}{'p90':>9}{'yaw':>8}{'IoU>=.5':>9}")
     for score in (report.overall, *report.groups):
         typer.echo(
-            f"{score.group:34}{score.cases:6}{_share(score.boxed):>7}{_metres(score.median_error_m):>9}"
-            f"{_metres(score.p90_error_m):>9}{_degrees(score.median_yaw_off_deg):>8}{_share(score.good):>9}"
+            f"{score.group:34}{score.cases:6}{share(score.boxed):>7}{_metres(score.median_error_m):>9}"
+            f"{_metres(score.p90_error_m):>9}{_degrees(score.median_yaw_off_deg):>8}{share(score.good):>9}"
         )
     agreement = report.agreement
     typer.echo(
         f"{agreement.pairs} times two cameras box one object: median {_metres(agreement.median_apart_m)} apart, "
-        f"{_share(agreement.near)} within half a metre"
+        f"{share(agreement.near)} within half a metre"
     )
-    typer.echo(f"bird's-eye AP@.5 within 50 m {_share(report.average_precision)}")
+    typer.echo(f"bird's-eye AP@.5 within 50 m {share(report.average_precision)}")
     typer.echo(f"{report.cpu_ms_per_frame:.0f} ms of processor time a frame, over {report.frames} frames")
-
-
-def _share(value: float | None) -> str:
-    return "-" if value is None else f"{value:.3f}"
 
 
 def _metres(value: float | None) -> str:
@@ -158,3 +157,48 @@ def labels(
     for row in rows:
         shares = (row["p25"], row["r25"], row["r25_far"], row["p50"], row["r50"], row["hota"], row["mota"], row["idf1"])
         say(f"{row['method']:20} " + " ".join(f"{'-':>6}" if one is None else f"{one:6.3f}" for one in shares))
+
+
+@benchmark.command()
+def merges(
+    drive: DriveFolder,
+    scene: SceneName = None,
+    noise: Annotated[
+        float, typer.Option(min=0, max=5, help="How strong the noise is: 0 is exact, 1 usual, 2 twice the errors.")
+    ] = 1.0,
+    seed: Annotated[int, typer.Option(min=0, help="The noise follows from it.")] = 0,
+    lidar: Annotated[bool, typer.Option("--lidar/--no-lidar", help="Make 3D boxes as from LiDAR, or none.")] = True,
+    frames: Annotated[
+        int | None, typer.Option(min=1, help="Use the first frames only. (default: all)", show_default=False)
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Measure merging against a drive's true 3D boxes, with made observations: neither images nor sweeps are read."""
+    seen = scene_of(open_truth(drive, scene=scene), max_frames=frames)
+    found = benchmark_merges(seen, Noise(noise, seed, lidar=lidar))
+    if as_json:
+        typer.echo(json.dumps(found))
+    else:
+        _show_merges(found)
+
+
+def _show_merges(found: MergeBenchmark) -> None:
+    """A line for each method on standard output."""
+    tracks = f"{found['tracks']} tracks of {found['objects']} vehicles in {found['cameras']} cameras"
+    title = f"{found['drive']}: {tracks}, {found['frames']} frames; noise {found['noise']:g}, seed {found['seed']}"
+    table = Table(title=title, title_justify="left")
+    headings = ("method", "pairs right/wrong/missed", "precision", "recall", "pure", "whole", "IDF1", "at one time")
+    for heading in headings:
+        table.add_column(heading, justify="left" if heading == "method" else "right")
+    for row in found["rows"]:
+        table.add_row(
+            row["method"],
+            f"{row['pairs_right']}/{row['pairs_wrong']}/{row['pairs_missed']}",
+            share(row["pair_precision"]),
+            share(row["pair_recall"]),
+            share(row["identities_pure"]),
+            share(row["identities_whole"]),
+            share(row["idf1"]),
+            f"{share(row['overlapping_precision'])} / {share(row['overlapping_recall'])}",
+        )
+    show_table(table)

@@ -94,20 +94,21 @@ def show(evaluation: Evaluation) -> None:
     lines: dict[tuple[str, str, str], list[str]] = {}
     for row in evaluation["rows"]:
         counts = f"{row['tp']}/{row['fp']}/{row['fn']}"
-        cells = [_share(row["precision"]), _share(row["recall"]), counts]
+        cells = [share(row["precision"]), share(row["recall"]), counts]
         lines.setdefault((row["method"], row["cameras"], row["truth"]), []).extend(cells)
     for name, cells in lines.items():
         table.add_row(*name, *cells)
     show_table(table)
     tracking, merges = evaluation["tracking"], evaluation["merges"]
     typer.echo(
-        f"identities over all cameras: HOTA {_share(tracking['hota'])}, IDF1 {_share(tracking['idf1'])}, "
-        f"MOTA {_share(tracking['mota'])}, {tracking['id_switches']} switches"
+        f"identities over all cameras: HOTA {share(tracking['hota'])}, IDF1 {share(tracking['idf1'])}, "
+        f"MOTA {share(tracking['mota'])}, {tracking['id_switches']} switches"
     )
     typer.echo(f"merges: {merges['right']} right, {merges['wrong']} wrong, {merges['missed']} missed")
 
 
-def _share(value: float | None) -> str:
+def share(value: float | None) -> str:
+    """Three digits, or a dash where there is nothing to be a share of."""
     return "-" if value is None else f"{value:.3f}"
 
 

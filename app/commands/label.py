@@ -8,7 +8,16 @@ from typing import Annotated
 
 import typer
 
-from app.commands.options import AsJson, DriveFolder, InputSize, ModelName, SceneName, TrackerName, WorkspaceFolder
+from app.commands.options import (
+    AsJson,
+    DriveFolder,
+    Identity,
+    InputSize,
+    ModelName,
+    SceneName,
+    TrackerName,
+    WorkspaceFolder,
+)
 from app.commands.terminal import TerminalProgress, say
 from app.db.engine import migrate, open_engine
 from app.db.session import Store
@@ -21,6 +30,7 @@ from labeler.detection import DetectionConfig
 from labeler.drive import Drive, is_simulated, open_drive
 from labeler.errors import HindsightError
 from labeler.evaluation.merges import score_merges
+from labeler.identity import IdentityConfig
 from labeler.pipeline import Executor, LabelledDrive, LabelSettings, Progress, Summary, label_drive, open_executor
 from labeler.tracking import TrackingConfig
 
@@ -39,6 +49,7 @@ def label(
     workspace: WorkspaceFolder = None,
     input_size: InputSize = None,
     tracker: TrackerName = None,
+    identity: Identity = None,
     executor: Annotated[
         ExecutorName, typer.Option(help="Worker processes on all cores, or one thing after the other in one process.")
     ] = ExecutorName.PROCESSES,
@@ -48,7 +59,7 @@ def label(
     as_json: AsJson = False,
 ) -> None:
     """Label a recorded drive. Stop it with Ctrl-C at any time; the same command goes on from there."""
-    settings = load_settings(workspace=workspace, model=model)
+    settings = load_settings(workspace=workspace, model=model, identity=identity)
     with open_executor(executor.value, workers=workers) as open_workers:
         summary = label_into_store(
             settings, drive, scene=scene, input_size=input_size, tracker=tracker, executor=open_workers
@@ -81,7 +92,7 @@ def label_into_store(
             model=detector.path,
             segmentation=segmentation,
             workspace=settings.workspace,
-            settings=label_settings(input_size, tracker),
+            settings=label_settings(settings, input_size, tracker),
             executor=executor,
             progress=progress,
         )
@@ -109,17 +120,17 @@ def store_labels(
     engine.dispose()
 
 
-def label_settings(input_size: int | None, tracker: str | None = None) -> LabelSettings:
-    """The default settings, with the input size and the tracker where they are given.
+def label_settings(settings: Settings, input_size: int | None, tracker: str | None = None) -> LabelSettings:
+    """The labeler's settings as the user wants them, with the input size and the tracker where they are given.
 
     HindsightError when the input size is out of range or there is no such tracker."""
-    settings = LabelSettings()
+    chosen = LabelSettings(identity=IdentityConfig(method=settings.identity))
     if tracker is not None:
-        settings = replace(settings, tracking=TrackingConfig(method=tracker))
+        chosen = replace(chosen, tracking=TrackingConfig(method=tracker))
     if input_size is None:
-        return settings
+        return chosen
     try:
-        return replace(settings, detection=DetectionConfig(input_long_side_px=input_size))
+        return replace(chosen, detection=DetectionConfig(input_long_side_px=input_size))
     except ValueError as error:
         raise HindsightError(f"--input-size {input_size} can't be used: {error}.") from error
 

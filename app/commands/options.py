@@ -1,9 +1,18 @@
 """Options that several commands share."""
 
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
 import typer
+
+
+class IdentityMethod(StrEnum):
+    """How tracks are merged."""
+
+    ASSIGNMENT = "assignment"
+    BASELINE = "baseline"
+
 
 DriveFolder = Annotated[
     Path,
@@ -51,6 +60,15 @@ TrackerName = Annotated[
         "--tracker",
         help="How objects are followed: offline knows the future, two_stage does not, baseline is the paper's own "
         "variant. (default: offline)",
+        show_default=False,
+    ),
+]
+Identity = Annotated[
+    IdentityMethod | None,
+    typer.Option(
+        "--identity",
+        help="How tracks are merged: all evidence at once (assignment), or the paper's Algorithm 2 as it stands "
+        "(baseline). (default: HINDSIGHT_IDENTITY, else assignment)",
         show_default=False,
     ),
 ]

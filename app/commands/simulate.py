@@ -30,6 +30,9 @@ def simulate(
     semantic: Annotated[
         bool, typer.Option("--semantic", help="Write the class of each pixel beside each image, for training.")
     ] = False,
+    truth_only: Annotated[
+        bool, typer.Option("--truth-only", help="Write no images and no sweeps: for `hindsight benchmark merges`.")
+    ] = False,
 ) -> None:
     """Record a simulated drive: four cameras, LiDAR, and the truth. Needs the extra `simulation`."""
     config = SimulationConfig(
@@ -46,7 +49,11 @@ def simulate(
         lidar_channels=lidar_channels,
         lidar_columns=lidar_columns,
         semantic=semantic,
+        truth_only=truth_only,
     )
     with TerminalProgress() as progress:
         simulate_drive(out, config, progress)
+    if truth_only:
+        say(f"{out}: the truth of {frames} frames. Use it: hindsight benchmark merges {out}")
+        return
     say(f"{out}: {frames} frames, 4 cameras, LiDAR and truth. Look at it: hindsight demo {out}")

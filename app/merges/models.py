@@ -12,7 +12,8 @@ class MergeRow(Base):
     """A claim that two tracks are one object, with its evidence.
 
     ``machine_state`` is what the labeler said. ``state`` is what holds: the person's word where there is one, else the
-    machine's, but an acceptance by the machine that no longer fits is a proposal.
+    machine's, but an acceptance by the machine that no longer fits is a proposal. ``evidence`` is the labeler's
+    MergeEvidence as JSON, empty where the machine has measured nothing.
 
     The claim is about ``tracked_a`` in ``frame_a`` and ``tracked_b`` in ``frame_b``, tracks as tracked. ``track_a`` and
     ``track_b`` are the tracks that these frames belong to now; NULL where a person deleted them.
@@ -38,10 +39,11 @@ class MergeRow(Base):
     decided_by: Mapped[str]
     shared_frames: Mapped[int]
     agreeing_frames: Mapped[int]
-    mean_distance_m: Mapped[float]
-    mean_bev_iou: Mapped[float]
+    mean_distance_m: Mapped[float | None]
+    mean_bev_iou: Mapped[float | None]
     reason: Mapped[str]
     best_frames: Mapped[list[dict[str, Any]]]
+    evidence: Mapped[dict[str, Any]] = mapped_column(default=dict)
 
     @property
     def tracks(self) -> tuple[int, int]:

@@ -29,6 +29,51 @@ class MergeFrame(BaseModel):
     iou_3d: float
 
 
+class MergeFeature(BaseModel):
+    """One thing that was measured about two tracks."""
+
+    name: str
+    value: float
+    unit: str
+    log_odds: float = Field(description="What it adds to the log odds: above 0 it speaks for one object.")
+
+
+class MergePlot(BaseModel):
+    """Both tracks from above, in metres, in the ego frame (x forward, y left) of ``reference_frame``."""
+
+    reference_frame: int
+    ego: list[list[float]] = Field(description="Frame, x, y and yaw of the recording car.")
+    track_a: list[list[float]] = Field(description="Frame, x, y and standard deviation of the smoothed trajectory.")
+    track_b: list[list[float]]
+    boxes_a: list[list[float]] = Field(
+        description="Frame, x, y, length, width and yaw of 3D boxes in frames that tell most."
+    )
+    boxes_b: list[list[float]]
+
+
+class MergeKind(StrEnum):
+    """Seen by two cameras at the same time, by two cameras one after the other, or lost and found in one camera."""
+
+    OVERLAP = "overlap"
+    HANDOVER = "handover"
+    FRAGMENT = "fragment"
+
+
+class MergeEvidence(BaseModel):
+    """What the score of a merge is made of."""
+
+    kind: MergeKind
+    calibrated: bool = Field(
+        description="Whether the score is a probability: the logistic function of bias_log_odds plus the log_odds of "
+        "all features."
+    )
+    gap_s: float = Field(description="Between the end of one track and the beginning of the other, else 0.")
+    gap_frames: list[int] | None = Field(description="The last frame of the one and the first of the other.")
+    features: list[MergeFeature]
+    bias_log_odds: float
+    plot: MergePlot | None
+
+
 class Merge(BaseModel):
     """A claim that two tracks are one object, with its evidence."""
 
@@ -43,10 +88,11 @@ class Merge(BaseModel):
     decided_by: DecidedBy
     shared_frames: int
     agreeing_frames: int
-    mean_distance_m: float
-    mean_bev_iou: float
+    mean_distance_m: float | None = Field(description="Over agreeing frames; null without any.")
+    mean_bev_iou: float | None = Field(description="Over the best frames; null without an agreeing one.")
     reason: str
     best_frames: list[MergeFrame]
+    evidence: MergeEvidence | None = Field(description="Null for a merge that the machine has not measured.")
     label_count: int = Field(description="How many labels accepting or undoing it changes.")
     priority: float = Field(
         description="Impact times uncertainty: label_count times the entropy of the probability in bits. The queue "

@@ -14,7 +14,7 @@ from app.merges import repository
 from app.merges.impact import Impact
 from app.merges.models import MergeRow
 from app.merges.priority import priority
-from app.merges.schemas import DecidedBy, Merge, MergeChange, MergeFrame, MergeState
+from app.merges.schemas import DecidedBy, Merge, MergeChange, MergeEvidence, MergeFrame, MergeState
 from app.reviews import service as reviews_service
 from app.reviews.schemas import ReviewAction
 from app.tracks import repository as tracks_repository
@@ -158,6 +158,7 @@ def _to_merge(row: MergeRow, impact: Impact, camera_of: dict[int, str]) -> Merge
         mean_bev_iou=row.mean_bev_iou,
         reason=row.reason,
         best_frames=[MergeFrame.model_validate(frame) for frame in row.best_frames],
+        evidence=MergeEvidence.model_validate(row.evidence) if row.evidence else None,
         label_count=label_count,
         priority=priority(label_count, row.score),
         identity_a=impact.identity_of(track_a),

@@ -1,8 +1,9 @@
 """How a decision names the tracks that it is about."""
 
 from enum import StrEnum
+from typing import Any
 
-from pydantic import BaseModel
+from pydantic import BaseModel, Field
 
 
 class ReviewAction(StrEnum):
@@ -27,7 +28,8 @@ class MergeEvidence(BaseModel):
     score: float
     shared_frames: int
     agreeing_frames: int
-    mean_distance_m: float
-    mean_bev_iou: float
+    mean_distance_m: float | None
+    mean_bev_iou: float | None
     reason: str
     best_frames: list[dict[str, float]]
+    evidence: dict[str, Any] = Field(default_factory=dict)

@@ -206,6 +206,7 @@ def _write_merges_and_identities(
                 "mean_bev_iou": merge.mean_bev_iou,
                 "reason": merge.reason,
                 "best_frames": [asdict(frame) for frame in merge.best_frames],
+                "evidence": asdict(merge.evidence),
             }
             for merge in labelled.merges
         ],

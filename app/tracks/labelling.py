@@ -7,6 +7,8 @@ from app.jobs.worker import JobContext
 from app.model_choice import segmentation_file
 from app.tracks.importing import import_labelled_drive
 from labeler.errors import HindsightError
+from labeler.identity import IdentityConfig
+from labeler.pipeline import LabelSettings
 from labeler.pipeline.run import label_drive
 
 
@@ -24,6 +26,7 @@ def run_label_job(context: JobContext) -> str | None:
         model=model,
         segmentation=segmentation,
         workspace=context.settings.workspace,
+        settings=LabelSettings(identity=IdentityConfig(method=context.settings.identity)),
         progress=context.progress,
     )
     changed = import_labelled_drive(

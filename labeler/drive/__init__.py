@@ -2,7 +2,7 @@
 
 from labeler.drive.errors import DriveError, DriveFileError
 from labeler.drive.images import read_image
-from labeler.drive.registry import open_drive
+from labeler.drive.registry import open_drive, open_truth
 from labeler.drive.simulated import SIMULATION_FILE, is_simulated
 from labeler.drive.types import (
     Calibration,
@@ -39,5 +39,6 @@ __all__ = [
     "TruthReader",
     "is_simulated",
     "open_drive",
+    "open_truth",
     "read_image",
 ]

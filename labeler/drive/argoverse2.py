@@ -22,6 +22,7 @@ from labeler.drive.poses import poses_from_rows, se3_from_rows
 from labeler.drive.sweeps import checked_sweep
 from labeler.drive.types import (
     Calibration,
+    Camera,
     Drive,
     Frame,
     ImageFile,
@@ -38,6 +39,7 @@ _INTRINSICS = ("fx_px", "fy_px", "cx_px", "cy_px", "width_px", "height_px")
 _BOX = ("x1_px", "y1_px", "x2_px", "y2_px")
 _VISIBLE_BOX = tuple(f"visible_{column}" for column in _BOX)
 _SIZE = ("length_m", "width_m", "height_m")
+_POINTS = "num_interior_pts"
 
 
 @dataclass(frozen=True)
@@ -97,6 +99,34 @@ def _open(path: Path, scene: str | None) -> Drive:
         read_truth=Argoverse2TruthReader(path),
     )
     return assemble(recording, warnings)
+
+
+def has_annotations_only(path: Path) -> bool:
+    """Whether the folder is a log of which there are 3D annotations and a calibration, but no image."""
+    images = (folder for folder in folders_in(path / "sensors" / "cameras") if any(folder.iterdir()))
+    return (path / "annotations.feather").is_file() and (path / "calibration").is_dir() and next(images, None) is None
+
+
+def open_annotated_log(path: Path) -> Drive:
+    """A log without images as a drive: a frame for each moment of its annotations, without any sensor's reading.
+
+    Its cameras are those of the calibration. DriveError when no camera has one, or a table can't be read."""
+    warnings: list[str] = []
+    sizes_px, calibrations = _read_calibration(path / "calibration", warnings)
+    if not calibrations:
+        raise DriveError(f"{path} has no camera with a usable calibration. {' '.join(warnings)}")
+    times_ns = np.unique(read_feather(path / "annotations.feather", ("timestamp_ns",)).integers("timestamp_ns"))
+    return Drive(
+        name=path.name,
+        format=ARGOVERSE2.name,
+        root=path,
+        cameras=tuple(Camera(name, *sizes_px[name], calibrations[name]) for name in sorted(calibrations)),
+        frames=tuple(Frame(index, time_ns, {}, None) for index, time_ns in enumerate(times_ns.tolist())),
+        poses=_read_poses(path / "city_SE3_egovehicle.feather", warnings),
+        read_sweep=Argoverse2SweepReader(),
+        read_truth=Argoverse2TruthReader(path),
+        warnings=tuple(warnings),
+    )
 
 
 def _read_calibration(
@@ -170,6 +200,7 @@ def _truth_3d(file: Path, frames: tuple[Frame, ...]) -> TruthBoxes3D:
         center_m=ego_SE3_box[rows, :3, 3],
         size_m=table.floats(*_SIZE)[rows],
         yaw_rad=np.arctan2(rotation[:, 1, 0], rotation[:, 0, 0]),
+        num_points=table.integers(_POINTS)[rows] if table.has(_POINTS) else None,
     )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from labeler.drive.argoverse2 import ARGOVERSE2
+from labeler.drive.argoverse2 import ARGOVERSE2, has_annotations_only, open_annotated_log
 from labeler.drive.errors import DriveError
 from labeler.drive.format import DriveFormat
 from labeler.drive.kitti import KITTI
@@ -34,6 +34,16 @@ def open_drive(path: str | os.PathLike[str], *, scene: str | None = None) -> Dri
         raise DriveError(f"{root} holds {len(found):,} drives: {names}. Name one of these folders.")
     folder, drive_format = found[0]
     return drive_format.open(folder, scene)
+
+
+def open_truth(path: str | os.PathLike[str], *, scene: str | None = None) -> Drive:
+    """Opens a drive for its truth alone: like :func:`open_drive`, but an Argoverse 2 log need not have any image.
+
+    A frame of a log without images is a moment of its annotations, and has no images either."""
+    root = _existing_folder(Path(path))
+    if has_annotations_only(root):
+        return open_annotated_log(root)
+    return open_drive(root, scene=scene)
 
 
 def _existing_folder(path: Path) -> Path:

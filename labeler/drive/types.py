@@ -140,7 +140,7 @@ class TruthBoxes3D:
     """True 3D boxes, a row each, in the ego frame at the frame's time.
 
     ``frame_index`` (N,) int32, ``center_m`` (N, 3), ``size_m`` (N, 3) as length, width, height, ``yaw_rad`` (N,), all
-    float64.
+    float64. Where recorded: ``num_points`` (N,) int64 LiDAR points inside of the box.
     """
 
     frame_index: NDArray[np.int32]
@@ -149,6 +149,7 @@ class TruthBoxes3D:
     center_m: NDArray[np.float64]
     size_m: NDArray[np.float64]
     yaw_rad: NDArray[np.float64]
+    num_points: NDArray[np.int64] | None = None
 
 
 @dataclass(frozen=True, eq=False)

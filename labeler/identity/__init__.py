@@ -1,21 +1,44 @@
-"""Step 4b: which tracks of different cameras are one object, and why: see :func:`propose_merges`."""
+"""Step 4b: which tracks are one object, and why: see :func:`find_merges`."""
 
-from labeler.identity.config import IdentityConfig
-from labeler.identity.decide import Merges, propose_merges
+from labeler.identity.config import Algorithm2Config, IdentityConfig
+from labeler.identity.constraints import ClassCorrection, Decisions, TrackAnchor, TrackSplit
+from labeler.identity.finding import find_merges
 from labeler.identity.linking import CannotLinkError, IdentityGraph, SharedFrames, components
-from labeler.identity.types import CameraView, MergeProposal, MergeState, MultiCameraFrame, SharedFrame
+from labeler.identity.rig import Rig
+from labeler.identity.types import (
+    CameraView,
+    Feature,
+    MergeEvidence,
+    MergeKind,
+    MergePlot,
+    MergeProposal,
+    Merges,
+    MergeState,
+    MultiCameraFrame,
+    SharedFrame,
+)
 
 __all__ = [
+    "Algorithm2Config",
     "CameraView",
     "CannotLinkError",
+    "ClassCorrection",
+    "Decisions",
+    "Feature",
     "IdentityConfig",
     "IdentityGraph",
+    "MergeEvidence",
+    "MergeKind",
+    "MergePlot",
     "MergeProposal",
     "MergeState",
     "Merges",
     "MultiCameraFrame",
+    "Rig",
     "SharedFrame",
     "SharedFrames",
+    "TrackAnchor",
+    "TrackSplit",
     "components",
-    "propose_merges",
+    "find_merges",
 ]

@@ -100,5 +100,9 @@ class SharedFrames:
             self._pairs.update((min(new, other), max(new, other)) for other in present if other != new)
         self._present[camera] = present
 
+    def pairs(self) -> frozenset[tuple[int, int]]:
+        """All pairs, the smaller track first."""
+        return frozenset(self._pairs)
+
     def __call__(self, track_a: int, track_b: int) -> bool:
         return (min(track_a, track_b), max(track_a, track_b)) in self._pairs

@@ -20,7 +20,7 @@ import numpy as np
 from labeler.detection import DetectionConfig, Detector
 from labeler.detection.classes import suppression_group_of
 from labeler.drive import Camera, Drive, Frame, ImageFile, SweepFile
-from labeler.identity import IdentityConfig
+from labeler.identity import Decisions, IdentityConfig, Rig
 from labeler.lidar import LidarConfig
 from labeler.pipeline.artifacts import Artifacts, key_of
 from labeler.pipeline.detecting import DetectUnit
@@ -146,11 +146,37 @@ def track_units(clips: Clips, classes: Classes, config: TrackingConfig) -> list[
 
 
 def identity_unit(
-    tracks: Mapping[str, Path], boxes_3d: Sequence[Path], classes: Classes, config: IdentityConfig
+    drive: Drive,
+    tracks: Mapping[str, Path],
+    boxes_3d: Sequence[Path],
+    classes: Classes,
+    config: IdentityConfig,
+    decisions: Decisions,
 ) -> IdentityUnit:
-    """The one unit of the drive."""
-    key = key_of(config, classes.groups, _names(tracks), [path.name for path in boxes_3d])
-    return IdentityUnit(key, tracks, tuple(boxes_3d), config, classes.groups)
+    """The one unit of the drive. ``decisions`` are those of a person about this drive."""
+    rig = rig_of(drive)
+    poses = None if rig.city_SE3_ego is None else blake2b(rig.city_SE3_ego.tobytes(), digest_size=16).hexdigest()
+    key = key_of(
+        config,
+        classes.groups,
+        _names(tracks),
+        [path.name for path in boxes_3d],
+        [(camera.name, camera.width_px, camera.height_px, *_calibration_key(camera)) for camera in drive.cameras],
+        rig.timestamp_ns.tolist(),
+        poses,
+        (decisions.same, decisions.different),
+    )
+    return IdentityUnit(key, tracks, tuple(boxes_3d), config, classes.groups, rig, decisions)
+
+
+def rig_of(drive: Drive) -> Rig:
+    """The cameras of a drive, and the pose of the car at the time of each frame."""
+    poses = drive.poses
+    return Rig.of(
+        drive.cameras,
+        np.array([frame.timestamp_ns for frame in drive.frames], np.int64),
+        None if poses is None else np.stack([poses.at(frame.timestamp_ns) for frame in drive.frames]),
+    )
 
 
 def donor_unit(tracks: Mapping[str, Path], identities: Path, config: PropagationConfig) -> DonorUnit:

@@ -16,7 +16,7 @@ from pathlib import Path
 
 from labeler.detection import open_detector
 from labeler.drive import Drive
-from labeler.identity import Merges, MergeState
+from labeler.identity import Decisions, Merges, MergeState
 from labeler.lidar import calibration_warnings
 from labeler.pipeline import plan
 from labeler.pipeline.artifacts import Artifacts, key_of
@@ -50,6 +50,7 @@ def label_drive(
     segmentation: Path | None = None,
     workspace: Path,
     settings: LabelSettings | None = None,
+    decisions: Decisions | None = None,
     executor: Executor | None = None,
     progress: Progress | None = None,
 ) -> LabelledDrive:
@@ -58,10 +59,10 @@ def label_drive(
     With a ``segmentation`` model, images of calibrated cameras are segmented for the painting of LiDAR points; a drive
     without LiDAR or calibration does without.
     What an earlier run in the same workspace made of the same data, model and settings is taken from there, so a run
-    that was stopped resumes. ``executor`` defaults to worker processes on all cores; one that is passed in stays open.
-    Raises ModelError for a model that can't be used, WorkspaceError for a folder that can't be written to, and
-    Cancelled when ``progress`` says so. A file of the drive that can't be read is skipped and named in the summary's
-    warnings.
+    that was stopped resumes. ``decisions`` of a person about an earlier run hold in this one as well. ``executor``
+    defaults to worker processes on all cores; one that is passed in stays open. Raises ModelError for a model that
+    can't be used, WorkspaceError for a folder that can't be written to, and Cancelled when ``progress`` says so. A file
+    of the drive that can't be read is skipped and named in the summary's warnings.
     """
     if executor is None:
         with open_executor("processes") as own:
@@ -71,12 +72,14 @@ def label_drive(
                 segmentation=segmentation,
                 workspace=workspace,
                 settings=settings,
+                decisions=decisions,
                 executor=own,
                 progress=progress,
             )
     run = _Run(Artifacts(workspace), executor, progress or SilentProgress())
     with PeakMemory() as memory:
-        results = _run_stages(run, drive, model, segmentation, settings or LabelSettings())
+        chosen = settings or LabelSettings()
+        results = _run_stages(run, drive, model, segmentation, chosen, decisions or Decisions())
         return _summarise(run, drive, results, memory)
 
 
@@ -117,7 +120,9 @@ class _Results:
     labels: dict[str, Path]
 
 
-def _run_stages(run: _Run, drive: Drive, model: Path, segmentation: Path | None, settings: LabelSettings) -> _Results:
+def _run_stages(
+    run: _Run, drive: Drive, model: Path, segmentation: Path | None, settings: LabelSettings, decisions: Decisions
+) -> _Results:
     """The phases of a run, in order."""
     artifacts = run.artifacts
     with run.timed("detect"):
@@ -138,7 +143,8 @@ def _run_stages(run: _Run, drive: Drive, model: Path, segmentation: Path | None,
     track_units = plan.track_units(clips, classes, settings.tracking)
     tracks = dict(zip(clips.of_camera, run.stage(TRACK, track_units), strict=True))
 
-    identities = run.stage(IDENTITY, [plan.identity_unit(tracks, boxes_3d, classes, settings.identity)])[0]
+    identity_unit = plan.identity_unit(drive, tracks, boxes_3d, classes, settings.identity, decisions)
+    identities = run.stage(IDENTITY, [identity_unit])[0]
     donors = run.stage(DONORS, [plan.donor_unit(tracks, identities, settings.propagation)])[0]
     labels = dict(
         zip(tracks, run.stage(LABELS, plan.label_units(tracks, identities, donors, settings.propagation)), strict=True)
@@ -227,6 +233,7 @@ def _warnings(drive: Drive, results: _Results) -> list[str]:
     warnings.extend(calibration_warnings(agreement_of(results.boxes_3d)))
     if len(results.tracks) > 1 and not (drive.has_lidar and results.boxes_3d):
         warnings.append(
-            "This drive has no LiDAR with calibrated cameras, so tracks of different cameras can't be merged."
+            "This drive has no LiDAR with calibrated cameras: where objects stand is guessed from how tall they look, "
+            "so few tracks of different cameras are merged without a person."
         )
     return list(dict.fromkeys(warnings))  # an image that can't be read is noted by detection and by segmentation

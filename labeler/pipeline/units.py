@@ -11,7 +11,7 @@ from typing import Any
 from numpy.typing import NDArray
 from pydantic import TypeAdapter
 
-from labeler.identity import IdentityConfig, Merges, propose_merges
+from labeler.identity import Decisions, IdentityConfig, Merges, Rig, find_merges
 from labeler.pipeline.artifacts import write_json
 from labeler.pipeline.detecting import read_detections
 from labeler.pipeline.reading import read_observations, read_views
@@ -45,6 +45,8 @@ class IdentityUnit:
     boxes_3d: tuple[Path, ...]
     config: IdentityConfig
     class_groups: tuple[int, ...]
+    rig: Rig
+    decisions: Decisions
     effort: int = 0
 
 
@@ -58,7 +60,7 @@ def track(unit: TrackUnit, path: Path) -> None:
 def find_identities(unit: IdentityUnit, path: Path) -> None:
     """Write the merge proposals and the identity of every track."""
     frames = read_views(unit.tracks, unit.boxes_3d)
-    result = propose_merges(frames, unit.config, class_groups=unit.class_groups)
+    result = find_merges(frames, unit.config, class_groups=unit.class_groups, rig=unit.rig, decisions=unit.decisions)
     write_json(path, result)
 
 
@@ -116,7 +118,7 @@ def label_camera(unit: LabelUnit, path: Path) -> None:
 
 
 TRACK = Stage("track", 2, "arrow", track)
-IDENTITY = Stage("identity", 1, "json", find_identities)
+IDENTITY = Stage("identity", 2, "json", find_identities)
 DONORS = Stage("donors", 1, "json", choose_donors)
 LABELS = Stage("labels", 2, "arrow", label_camera)
 

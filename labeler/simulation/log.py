@@ -113,17 +113,19 @@ class SimulatedLog:
         *,
         city_SE3_ego: NDArray[np.float64],
         targets: Sequence[Target],
-        boxes: Mapping[str, Sequence[TrueBox]],
+        boxes: Mapping[str, Sequence[TrueBox]] | None,
         scan: Scan,
     ) -> None:
-        """The truth of a moment, after its images and its sweep. ``boxes`` are those of each camera."""
+        """The truth of a moment, after its images and its sweep. ``boxes`` are those of each camera, None where there
+        are no images: then the log has no table of them."""
         tables = (
             _annotations(timestamp_ns, targets, scan),
-            _annotations_2d(timestamp_ns, boxes),
+            None if boxes is None else _annotations_2d(timestamp_ns, boxes),
             _table({"timestamp_ns": np.array([timestamp_ns], dtype=np.int64)} | _pose([city_SE3_ego])),
         )
         for name, table in zip(_TABLES, tables, strict=True):
-            self._write_table(self._part(name, timestamp_ns), table)
+            if table is not None:
+                self._write_table(self._part(name, timestamp_ns), table)
 
     def publish(self, timestamps_ns: Sequence[int]) -> None:
         """Join the tables of all moments, and give the log its name. SimulationError when a moment is missing."""
@@ -131,7 +133,8 @@ class SimulatedLog:
         if missing:
             raise SimulationError(f"{len(missing)} of {len(timestamps_ns)} moments have not been written.")
         for name in _TABLES:
-            self._join(name, timestamps_ns)
+            if self._part(name, timestamps_ns[0]).exists():
+                self._join(name, timestamps_ns)
         with self._writing():
             shutil.rmtree(self._parts)
             self._partial.rename(self._folder)

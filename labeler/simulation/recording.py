@@ -64,7 +64,8 @@ class SimulationConfig:
     ``vehicles`` drive, the ego car among them; ``parked_share`` of the parking slots are taken. ``rate_hz`` moments a
     second, each with four images of ``width_px`` by ``height_px`` and a LiDAR sweep of ``lidar_channels`` beams and
     ``lidar_columns`` readings a turn. ``town`` and ``light`` name kinds of town and of light; without a light, the seed
-    chooses one. With ``semantic`` the class of each pixel is written beside each image."""
+    chooses one. With ``semantic`` the class of each pixel is written beside each image; with ``truth_only`` neither
+    images nor sweeps are written, only calibration, poses and 3D boxes."""
 
     seed: int
     frames: int
@@ -79,6 +80,7 @@ class SimulationConfig:
     lidar_channels: int = 64
     lidar_columns: int = 1800
     semantic: bool = False
+    truth_only: bool = False
 
     def __post_init__(self) -> None:
         if not 0.5 <= self.rate_hz <= 50:
@@ -116,7 +118,7 @@ def simulate_drive(folder: Path, config: SimulationConfig, progress: Progress) -
     room for the vehicles, or when ``folder`` can't be written. A drive that was stopped goes on when the same is asked
     for again."""
     require_free(folder)
-    _require_extra()
+    _require_extra(with_images=not config.truth_only)
     progress.stage("Building the town", 1)
     world = SimulatedWorld.build(config.seed, town=config.town)
     progress.advance()
@@ -136,11 +138,13 @@ def simulate_drive(folder: Path, config: SimulationConfig, progress: Progress) -
     log.publish([config.timestamp_ns(index) for index in range(config.frames)])
 
 
-def _require_extra() -> None:
-    """SimulationError when a part of the extra ``simulation`` or OpenGL is missing, before the long work begins."""
+def _require_extra(*, with_images: bool) -> None:
+    """SimulationError when a part of the extra ``simulation``, or OpenGL where images are to be drawn, is missing,
+    before the long work begins."""
     sumo_home()
     load_embree()
-    open_context().release()
+    if with_images:
+        open_context().release()
 
 
 class _Recorder:
@@ -155,7 +159,7 @@ class _Recorder:
             width_px=config.width_px,
             height_px=config.height_px,
         )
-        self._renderer = Renderer(world, config.width_px, config.height_px)
+        self._renderer = None if config.truth_only else Renderer(world, config.width_px, config.height_px)
         self._lighting: Lighting = lighting_of(config.seed, name=config.light)
         positions_m, faces, material = world.static_triangles()
         self._town = Solid(positions_m[faces], _reflectance(material))
@@ -164,24 +168,26 @@ class _Recorder:
         self._uuids = {number: str(uuid5(_UUID_SPACE, f"{config.seed}/{number}")) for number in traffic.models}
 
     def record(self, frame: TrafficFrame, log: SimulatedLog) -> None:
-        """Write one moment: images, sweep, truth."""
+        """Write one moment: images and sweep, where they are wanted, and the truth."""
         config, timestamp_ns = self._config, self._config.timestamp_ns(frame.index)
         motions = _motions(frame.driving) | _motions(self._traffic.parked)
         ego = motions.pop(self._traffic.ego_id)
         world_SE3_ego = _world_SE3_body(ego) @ self.rig.body_SE3_ego
         near = {number: motion for number, motion in motions.items() if _apart_m(motion, ego) <= _SEEN_UNTIL_M}
         targets = [self._target(number, motion, world_SE3_ego) for number, motion in near.items()]
-        renderings = self._render(frame, ego, near, world_SE3_ego)
+        boxes: dict[str, list[TrueBox]] | None = None
+        if self._renderer is not None:
+            renderings = self._render(self._renderer, frame, ego, near, world_SE3_ego)
+            rng = np.random.default_rng([config.seed, _IMAGE_SEED, frame.index])
+            boxes = {}
+            for view, rendering in zip(self.rig.views, renderings, strict=True):
+                log.write_image(view.camera, timestamp_ns, _with_noise(rendering.image, rng))
+                if config.semantic:
+                    log.write_semantic(view.camera, timestamp_ns, rendering.semantic)
+                boxes[view.camera] = boxes_in_image(view, rendering.ids, targets)
         swept = self._scan(frame.index, ego, near)
-
-        rng = np.random.default_rng([config.seed, _IMAGE_SEED, frame.index])
-        boxes: dict[str, list[TrueBox]] = {}
-        for view, rendering in zip(self.rig.views, renderings, strict=True):
-            log.write_image(view.camera, timestamp_ns, _with_noise(rendering.image, rng))
-            if config.semantic:
-                log.write_semantic(view.camera, timestamp_ns, rendering.semantic)
-            boxes[view.camera] = boxes_in_image(view, rendering.ids, targets)
-        log.write_sweep(timestamp_ns, swept)
+        if not config.truth_only:
+            log.write_sweep(timestamp_ns, swept)
         log.finish_moment(
             timestamp_ns,
             city_SE3_ego=world_SE3_ego,
@@ -191,12 +197,17 @@ class _Recorder:
         )
 
     def _render(
-        self, frame: TrafficFrame, ego: Motion, near: Mapping[int, Motion], world_SE3_ego: NDArray[np.float64]
+        self,
+        renderer: Renderer,
+        frame: TrafficFrame,
+        ego: Motion,
+        near: Mapping[int, Motion],
+        world_SE3_ego: NDArray[np.float64],
     ) -> list[Rendering]:
         views = [CameraView(world_SE3_ego @ view.ego_SE3_camera, view.intrinsics) for view in self.rig.views]
         instances = [self._instance(number, motion) for number, motion in near.items()]
         instances.append(self._instance(self._traffic.ego_id, ego, visible=False))
-        return self._renderer.render(views, instances, self._lighting, frame.lamps)
+        return renderer.render(views, instances, self._lighting, frame.lamps)
 
     def _instance(self, number: int, motion: Motion, *, visible: bool = True) -> VehicleInstance:
         return VehicleInstance(
@@ -234,7 +245,8 @@ class _Recorder:
 def _about(config: SimulationConfig) -> dict[str, object]:
     """What a drive says of itself."""
     versions = {name: _version(name) for name in _PACKAGES}
-    return {"simulation_version": VERSION, "settings": asdict(config), "made_with": versions}
+    settings = {name: value for name, value in asdict(config).items() if name != "truth_only" or value}
+    return {"simulation_version": VERSION, "settings": settings, "made_with": versions}
 
 
 def _version(package: str) -> str | None:

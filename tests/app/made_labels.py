@@ -16,7 +16,15 @@ import pyarrow as pa
 import pyarrow.feather as feather
 
 from labeler.identity.linking import components
-from labeler.identity.types import MergeProposal, MergeState, SharedFrame
+from labeler.identity.types import (
+    Feature,
+    MergeEvidence,
+    MergeKind,
+    MergePlot,
+    MergeProposal,
+    MergeState,
+    SharedFrame,
+)
 from labeler.lidar.types import Boxes3D
 from labeler.pipeline.types import LabelledDrive, LabelledFrame, LabelledView, Summary, TrackSummary
 from labeler.propagation.best_observation import find_donors, label_observations
@@ -203,7 +211,14 @@ def _proposal(a: int, b: int, camera_of: Mapping[int, str], score: float, state:
         mean_distance_m=0.4,
         mean_bev_iou=0.5,
         best_frames=(SharedFrame(frame_index=2, distance_m=0.4, bev_iou=0.5, iou_3d=0.4),),
-        reason="boxes at the same place in 1 of 2 shared frames",
+        reason="at the same place in 1 of 2 shared frames",
+        evidence=MergeEvidence(
+            MergeKind.OVERLAP,
+            calibrated=True,
+            features=(Feature("distance_sigmas", 0.8, "sigma", 1.5),),
+            bias_log_odds=-0.5,
+            plot=MergePlot(2, ((2, 0.0, 0.0, 0.0),), ((2, 12.0, 0.5, 0.2),), (), ((2, 12.0, 0.5, 4.5, 1.8, 0.25),), ()),
+        ),
     )
 
 

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labeler.identity.linking import components
-from labeler.identity.types import MergeProposal, MergeState, SharedFrame
+from labeler.identity.types import MergeEvidence, MergeKind, MergeProposal, MergeState, SharedFrame
 from labeler.lidar.types import Boxes3D
 from labeler.pipeline.types import LabelledDrive, LabelledFrame, LabelledView, Summary, TrackSummary
 from labeler.propagation.best_observation import find_donors, label_observations
@@ -132,7 +132,7 @@ def _boxes_3d(tracked: Tracked, found: Observations, rows: NDArray[np.intp]) -> 
         source=np.zeros(len(rows), np.int8),
         center_std_m=np.full((len(rows), 2), 0.2, np.float32),
         yaw_std_rad=np.full(len(rows), 0.1, np.float32),
-        seen_m=np.concatenate([-size_m[:, :2] / 2, size_m[:, :2] / 2], axis=1),
+        seen_m=np.concatenate([-size_m[:, :2] / 2, size_m[:, :2] / 2], axis=1).astype(np.float32),
         offset_s=np.zeros(len(rows), np.float32),
     )
 
@@ -219,8 +219,8 @@ def _claim(tracked: Tracked, rows_of: Mapping[int, NDArray[np.intp]], one: int, 
         state=MergeState.PROPOSED,
         shared_frames=shared,
         agreeing_frames=agreeing,
-        mean_distance_m=float(distances_m.mean()) if shared else 0.0,
-        mean_bev_iou=float(overlaps.mean()) if shared else 0.0,
+        mean_distance_m=float(distances_m.mean()) if shared else None,
+        mean_bev_iou=float(overlaps.mean()) if shared else None,
         best_frames=tuple(
             SharedFrame(
                 frame_index=int(sightings.frame[rows_a[in_a[row]]]),
@@ -231,6 +231,7 @@ def _claim(tracked: Tracked, rows_of: Mapping[int, NDArray[np.intp]], one: int, 
             for row in best.tolist()
         ),
         reason=f"boxes at the same place in {agreeing} of {shared} shared frames",
+        evidence=MergeEvidence(MergeKind.OVERLAP if shared else MergeKind.HANDOVER, calibrated=False),
     )
 
 

@@ -1541,14 +1541,22 @@ export interface components {
             shared_frames: number;
             /** Agreeing Frames */
             agreeing_frames: number;
-            /** Mean Distance M */
-            mean_distance_m: number;
-            /** Mean Bev Iou */
-            mean_bev_iou: number;
+            /**
+             * Mean Distance M
+             * @description Over agreeing frames; null without any.
+             */
+            mean_distance_m: number | null;
+            /**
+             * Mean Bev Iou
+             * @description Over the best frames; null without an agreeing one.
+             */
+            mean_bev_iou: number | null;
             /** Reason */
             reason: string;
             /** Best Frames */
             best_frames: components["schemas"]["MergeFrame"][];
+            /** @description Null for a merge that the machine has not measured. */
+            evidence: components["schemas"]["MergeEvidence"] | null;
             /**
              * Label Count
              * @description How many labels accepting or undoing it changes.
@@ -1582,6 +1590,50 @@ export interface components {
             revision: number;
         };
         /**
+         * MergeEvidence
+         * @description What the score of a merge is made of.
+         */
+        MergeEvidence: {
+            kind: components["schemas"]["MergeKind"];
+            /**
+             * Calibrated
+             * @description Whether the score is a probability: the logistic function of bias_log_odds plus the log_odds of all features.
+             */
+            calibrated: boolean;
+            /**
+             * Gap S
+             * @description Between the end of one track and the beginning of the other, else 0.
+             */
+            gap_s: number;
+            /**
+             * Gap Frames
+             * @description The last frame of the one and the first of the other.
+             */
+            gap_frames: number[] | null;
+            /** Features */
+            features: components["schemas"]["MergeFeature"][];
+            /** Bias Log Odds */
+            bias_log_odds: number;
+            plot: components["schemas"]["MergePlot"] | null;
+        };
+        /**
+         * MergeFeature
+         * @description One thing that was measured about two tracks.
+         */
+        MergeFeature: {
+            /** Name */
+            name: string;
+            /** Value */
+            value: number;
+            /** Unit */
+            unit: string;
+            /**
+             * Log Odds
+             * @description What it adds to the log odds: above 0 it speaks for one object.
+             */
+            log_odds: number;
+        };
+        /**
          * MergeFrame
          * @description The evidence of one frame in which both tracks have a 3D box.
          */
@@ -1595,6 +1647,12 @@ export interface components {
             /** Iou 3D */
             iou_3d: number;
         };
+        /**
+         * MergeKind
+         * @description Seen by two cameras at the same time, by two cameras one after the other, or lost and found in one camera.
+         * @enum {string}
+         */
+        MergeKind: "overlap" | "handover" | "fragment";
         /**
          * MergeLooks
          * @description What there is to see of a merge. ``ego`` is the way of the car that recorded, empty without poses.
@@ -1617,6 +1675,33 @@ export interface components {
              */
             strip: components["schemas"]["Look"][];
             ego: components["schemas"]["Way"];
+        };
+        /**
+         * MergePlot
+         * @description Both tracks from above, in metres, in the ego frame (x forward, y left) of ``reference_frame``.
+         */
+        MergePlot: {
+            /** Reference Frame */
+            reference_frame: number;
+            /**
+             * Ego
+             * @description Frame, x, y and yaw of the recording car.
+             */
+            ego: number[][];
+            /**
+             * Track A
+             * @description Frame, x, y and standard deviation of the smoothed trajectory.
+             */
+            track_a: number[][];
+            /** Track B */
+            track_b: number[][];
+            /**
+             * Boxes A
+             * @description Frame, x, y, length, width and yaw of 3D boxes in frames that tell most.
+             */
+            boxes_a: number[][];
+            /** Boxes B */
+            boxes_b: number[][];
         };
         /**
          * MergeScores

@@ -1,4 +1,6 @@
-"""What the frames say about pairs of tracks, gathered in one pass: memory grows with tracks and pairs, not frames."""
+"""What Algorithm 2 needs to know about pairs of tracks, gathered in one pass: memory grows with tracks and pairs, not
+frames.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +11,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from labeler.identity.config import IdentityConfig
+from labeler.identity.config import Algorithm2Config
 from labeler.identity.linking import SharedFrames
 from labeler.identity.overlap import BoxPair, boxes_at_same_place
 from labeler.identity.types import CameraView, MultiCameraFrame, SharedFrame
@@ -50,7 +52,7 @@ class _TrackedBoxes:
 class Evidence:
     """Everything that the decision needs to know about the tracks of a drive; filled frame by frame."""
 
-    def __init__(self, config: IdentityConfig, class_groups: Sequence[int]) -> None:
+    def __init__(self, config: Algorithm2Config, class_groups: Sequence[int]) -> None:
         self.cameras: dict[int, str] = {}
         self.shared_frames = SharedFrames()
         self.pairs: dict[tuple[int, int], PairEvidence] = {}

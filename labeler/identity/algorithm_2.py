@@ -1,4 +1,4 @@
-"""Which merges are made: in order of score, under the cannot-link rule.
+"""The baseline, the paper's Algorithm 2: tracks whose 3D boxes are at the same place are merged, the best first.
 
 The score of a merge is how similar the boxes of two tracks are where they are at the same place, times the share of the
 frames with boxes of both in which they are, times how much so many frames can be trusted.
@@ -9,20 +9,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from labeler.identity.config import IdentityConfig
-from labeler.identity.evidence import Evidence, PairEvidence
+from labeler.identity.config import Algorithm2Config
 from labeler.identity.linking import IdentityGraph
-from labeler.identity.types import MergeProposal, MergeState, MultiCameraFrame
+from labeler.identity.same_place import Evidence, PairEvidence
+from labeler.identity.types import MergeEvidence, MergeKind, MergeProposal, Merges, MergeState, MultiCameraFrame
 
 _FRAMES_HALF_SURE = 0.25
-
-
-@dataclass(frozen=True)
-class Merges:
-    """``proposals`` by descending score, and ``identity_of`` every track: the smallest track id of its identity."""
-
-    proposals: tuple[MergeProposal, ...]
-    identity_of: dict[int, int]
 
 
 @dataclass(frozen=True)
@@ -34,8 +26,8 @@ class _Candidate:
     evidence: PairEvidence
 
 
-def propose_merges(
-    frames: Iterable[MultiCameraFrame], config: IdentityConfig, *, class_groups: Sequence[int]
+def merge_at_same_place(
+    frames: Iterable[MultiCameraFrame], config: Algorithm2Config, *, class_groups: Sequence[int]
 ) -> Merges:
     """Compare the 3D boxes of all pairs of cameras frame by frame, and decide which tracks are one object.
 
@@ -50,7 +42,7 @@ def propose_merges(
     return decide_merges(evidence, config)
 
 
-def decide_merges(evidence: Evidence, config: IdentityConfig) -> Merges:
+def decide_merges(evidence: Evidence, config: Algorithm2Config) -> Merges:
     """Merges of tracks of one class group, best first: made, proposed to a person, or rejected by a better one."""
     graph = IdentityGraph(evidence.cameras, evidence.shared_frames)
     made: list[MergeProposal] = []
@@ -64,7 +56,7 @@ def decide_merges(evidence: Evidence, config: IdentityConfig) -> Merges:
     return Merges(tuple(proposals), graph.identities())
 
 
-def _candidates(evidence: Evidence, config: IdentityConfig) -> list[_Candidate]:
+def _candidates(evidence: Evidence, config: Algorithm2Config) -> list[_Candidate]:
     """The pairs worth a decision, by descending score."""
     candidates: list[_Candidate] = []
     for (track_a, track_b), pair in evidence.pairs.items():
@@ -83,7 +75,7 @@ def _decide(
     evidence: Evidence,
     graph: IdentityGraph,
     made: list[MergeProposal],
-    config: IdentityConfig,
+    config: Algorithm2Config,
 ) -> MergeProposal:
     pair, track_a, track_b = candidate.evidence, candidate.track_a, candidate.track_b
     seen = f"boxes at the same place in {pair.agreeing_frames} of {candidate.shared_frames} shared frames"
@@ -108,6 +100,7 @@ def _decide(
         mean_bev_iou=pair.bev_iou_sum / pair.agreeing_frames,
         best_frames=tuple(frame for _, frame in pair.best),
         reason=reason,
+        evidence=MergeEvidence(MergeKind.OVERLAP, calibrated=False),
     )
 
 

@@ -7,18 +7,18 @@ import numpy as np
 import pytest
 
 from labeler.identity import (
+    Algorithm2Config,
     CameraView,
-    IdentityConfig,
     Merges,
     MultiCameraFrame,
-    propose_merges,
 )
+from labeler.identity.algorithm_2 import merge_at_same_place
 from labeler.lidar import Boxes3D
 from labeler.tracking.types import NO_DETECTION, Observations
 
 PERSON, CAR, TRUCK = range(3)
 CLASS_GROUPS = (0, 1, 1)
-CONFIG = IdentityConfig()
+CONFIG = Algorithm2Config()
 Object = tuple[int, int, float | None]
 Frames = Sequence[Mapping[str, Sequence[Object]]]
 
@@ -53,12 +53,12 @@ def view(frame_index: int, objects: Sequence[Object]) -> CameraView:
     return CameraView(observations, boxes_3d)
 
 
-def decide(frames: Frames, config: IdentityConfig = CONFIG) -> Merges:
+def decide(frames: Frames, config: Algorithm2Config = CONFIG) -> Merges:
     def stream() -> Iterator[MultiCameraFrame]:
         for index, cameras in enumerate(frames):
             yield MultiCameraFrame(index, {name: view(index, objects) for name, objects in cameras.items()})
 
-    return propose_merges(stream(), config, class_groups=CLASS_GROUPS)
+    return merge_at_same_place(stream(), config, class_groups=CLASS_GROUPS)
 
 
 def states(merges: Merges) -> list[tuple[int, int, str]]:
@@ -166,7 +166,7 @@ def test_an_observation_that_the_tracker_filled_in_owns_no_box():
         np.full(1, NO_DETECTION, np.int32),
     )
     views = {"front": CameraView(filled, frame.boxes_3d), "left": view(0, [(11, CAR, 10.0)])}
-    merges = propose_merges([MultiCameraFrame(0, views)], CONFIG, class_groups=CLASS_GROUPS)
+    merges = merge_at_same_place([MultiCameraFrame(0, views)], CONFIG, class_groups=CLASS_GROUPS)
     assert merges.proposals == ()
     assert merges.identity_of == {1: 1, 11: 11}
 
@@ -186,5 +186,5 @@ def test_a_class_without_a_group_is_an_error():
     ],
 )
 def test_settings_out_of_range_are_refused(name: str, value: float):
-    with pytest.raises(ValueError, match="IdentityConfig needs"):
+    with pytest.raises(ValueError, match="Algorithm2Config needs"):
         replace(CONFIG, **{name: value})
