@@ -28,7 +28,7 @@ from labeler.detection.letterbox import fit_letterbox
 from labeler.detection.suppression import suppress
 from labeler.evaluation.matching import match_greedily, overlapping_pairs
 from labeler.training.pictures import DETECTOR_CLASSES, Picture
-from labeler.training.yolox_network import Yolox
+from labeler.training.yolox_network import Head, Yolox
 
 _MIN_SCORE = 0.02
 _HIT_IOU = 0.5
@@ -87,7 +87,7 @@ def fit(boxes: JudgedBoxes) -> Calibration:
         return cost
 
     optimizer.step(loss)
-    a, c, b, d = values.detach().tolist()
+    a, c, b, d = [float(value) for value in values.detach()]
     return Calibration(float(np.exp(a)), b, float(np.exp(c)), d)
 
 
@@ -96,11 +96,13 @@ def with_calibration(network: Yolox, calibration: Calibration) -> Yolox:
     changed = copy.deepcopy(network)
     with torch.no_grad():
         for head in changed.heads:
+            assert isinstance(head, Head)
             for layer, scale, shift in (
                 (head.objectness, calibration.objectness_scale, calibration.objectness_shift),
                 (head.classes, calibration.class_scale, calibration.class_shift),
             ):
                 layer.weight.mul_(scale)
+                assert layer.bias is not None
                 layer.bias.mul_(scale).add_(shift)
     return changed
 

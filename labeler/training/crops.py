@@ -51,9 +51,11 @@ class CropSampler:
         objects = [(index, row) for index, picture in enumerate(pictures) for row in range(len(picture.boxes_px))]
         classes = np.array([pictures[index].classes[row] for index, row in objects], np.int64)
         self._objects = objects
-        self._by_class = [np.flatnonzero(classes == class_id) for class_id in np.unique(classes)]
+        self._by_class: list[NDArray[np.intp]] = [
+            np.flatnonzero(classes == class_id) for class_id in np.unique(classes)
+        ]
         # The root of the frequency: between as often as they come and equally often.
-        weights = np.sqrt([len(rows) for rows in self._by_class])
+        weights: NDArray[np.float64] = np.array([len(rows) ** 0.5 for rows in self._by_class], np.float64)
         self._class_weights = weights / weights.sum() if len(weights) else weights
 
     def draw(self, rng: np.random.Generator) -> Picture:
@@ -63,12 +65,12 @@ class CropSampler:
         size = np.array([config.width_px, config.height_px]) / scale
         if self._objects and rng.random() < config.around_objects:
             rows = self._by_class[rng.choice(len(self._by_class), p=self._class_weights)]
-            index, row = self._objects[rng.choice(rows)]
+            index, row = self._objects[int(rng.choice(rows))]
             picture = self._pictures[index]
             box = picture.boxes_px[row]
             corner = (box[:2] + box[2:]) / 2 - size * rng.uniform(0.1, 0.9, 2)
         else:
-            picture = self._pictures[rng.integers(len(self._pictures))]
+            picture = self._pictures[int(rng.integers(len(self._pictures)))]
             corner = rng.uniform(0, 1, 2) * (np.array(picture.image.shape[1::-1]) - size)
         room = np.array(picture.image.shape[1::-1]) - size + config.beyond_px
         corner = np.clip(corner, 0, np.maximum(room, 0))
@@ -89,7 +91,9 @@ def _cut(picture: Picture, window: _Window, config: CropConfig) -> Picture:
     )
     semantic = picture.semantic
     if semantic is not None:
-        semantic = cv2.warpAffine(semantic, matrix, size, flags=cv2.INTER_NEAREST, borderMode=cv2.BORDER_REPLICATE)
+        semantic = np.asarray(
+            cv2.warpAffine(semantic, matrix, size, flags=cv2.INTER_NEAREST, borderMode=cv2.BORDER_REPLICATE), np.uint8
+        )
     offset = np.array([window.x, window.y] * 2, np.float32)
     limit = np.array(size * 2, np.float32)
     boxes = (picture.boxes_px - offset) * np.float32(window.scale)

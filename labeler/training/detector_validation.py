@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -112,7 +112,6 @@ class _Seen:
 class _Clock:
     images: int = 0
     seconds: float = 0.0
-    detections: list[Detections] = field(default_factory=list[Detections])
 
 
 def validate_detector(model: Path, drives: Sequence[Path], advance: Callable[[], None]) -> DetectorReport:

@@ -59,5 +59,10 @@ def _into_row(tensors: Sequence[Tensor]) -> Tensor:
 
 
 def _parts(tensors: Sequence[Tensor], row: Tensor) -> list[Tensor]:
-    pieces = row.split([tensor.numel() for tensor in tensors])
-    return [piece.view(tensor.shape) for piece, tensor in zip(pieces, tensors, strict=True)]
+    parts: list[Tensor] = []
+    start = 0
+    for tensor in tensors:
+        stop = start + tensor.numel()
+        parts.append(row[start:stop].view(tensor.shape))
+        start = stop
+    return parts

@@ -100,7 +100,7 @@ def _picture(drive: Drive, file: ImageFile, boxes: TruthBoxes2D, rows: NDArray[n
     image = read_image(file, drive.camera(file.camera))
     assert boxes.visible_xyxy_px is not None
     visible_px = boxes.visible_xyxy_px[rows]
-    names = [class_of_category(boxes.category[row]) for row in rows.tolist()]
+    names = [class_of_category(boxes.category[row]) for row in map(int, rows)]
     classes = np.array([_class_id(counted) for counted in names], np.int64)
     asked = (classes >= 0) & ((visible_px[:, 2:] - visible_px[:, :2]).min(axis=1, initial=np.inf) >= MIN_SIDE_PX)
     if boxes.visible_pixels is not None:

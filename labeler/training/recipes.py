@@ -24,7 +24,7 @@ DETECTOR = Recipe(
     task="detector",
     file_name="sim-yolox-nano.onnx",
     crops=CropConfig(height_px=160, width_px=320),
-    steps=7000,
+    steps=5000,
     learning_rate=2e-3,
     workers=2,
 )

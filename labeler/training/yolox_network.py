@@ -169,7 +169,7 @@ class _Pyramid(nn.Module):
         return out_8, out_16, out_32
 
 
-class _Head(nn.Module):
+class Head(nn.Module):
     """One level's cells: box, objectness and classes, from two branches."""
 
     def __init__(self, channels_in: int, shape: YoloxShape, class_count: int) -> None:
@@ -204,7 +204,7 @@ class Yolox(nn.Module):
         super().__init__()
         self.class_count = class_count
         self.backbone, self.pyramid = _Backbone(shape), _Pyramid(shape)
-        self.heads = nn.ModuleList(_Head(shape.channels(c), shape, class_count) for c in (256, 512, 1024))
+        self.heads = nn.ModuleList(Head(shape.channels(c), shape, class_count) for c in (256, 512, 1024))
 
     def forward(self, images: Tensor) -> Tensor:
         levels = self.pyramid(*self.backbone(images))

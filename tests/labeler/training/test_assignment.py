@@ -2,9 +2,11 @@
 
 import pytest
 
-torch = pytest.importorskip("torch", reason="needs torch, of the extra `training`")
+pytest.importorskip("torch", reason="needs torch, of the extra `training`")
 
-from labeler.training.assignment import assign, iou  # noqa: E402
+import torch
+
+from labeler.training.assignment import assign, iou
 
 
 def test_iou_of_boxes_that_overlap_touch_and_contain() -> None:
@@ -15,7 +17,7 @@ def test_iou_of_boxes_that_overlap_touch_and_contain() -> None:
     assert iou(a, b).tolist() == pytest.approx([1 / 3, 0, 0.2, 1])
 
 
-def row_of_cells(count: int) -> tuple["torch.Tensor", "torch.Tensor"]:
+def row_of_cells(count: int) -> tuple[torch.Tensor, torch.Tensor]:
     """A row of cells of stride 8: centres at 4, 12, 20, ... and y = 4."""
     x = torch.arange(count) * 8.0 + 4
     return torch.stack([x, torch.full_like(x, 4.0)], dim=1), torch.full((count,), 8.0)

@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 
-torch = pytest.importorskip("torch", reason="needs torch, of the extra `training`")
+pytest.importorskip("torch", reason="needs torch, of the extra `training`")
 
-from labeler.training.calibration import (  # noqa: E402
+import torch
+
+from labeler.training.calibration import (
     Calibration,
     JudgedBoxes,
     find_calibration,
@@ -13,9 +15,9 @@ from labeler.training.calibration import (  # noqa: E402
     judge_boxes,
     with_calibration,
 )
-from labeler.training.pictures import Picture  # noqa: E402
-from labeler.training.yolox_network import Yolox, YoloxShape  # noqa: E402
-from tests.labeler.training.made_pictures import picture  # noqa: E402
+from labeler.training.pictures import Picture
+from labeler.training.yolox_network import Yolox, YoloxShape
+from tests.labeler.training.made_pictures import picture
 
 TINY = YoloxShape(depth=0.33, width=0.125, depthwise=True)
 
@@ -57,7 +59,7 @@ def test_a_calibration_changes_the_logits_and_not_the_boxes() -> None:
 class KnowsOneBox(torch.nn.Module):
     """Puts a car of 16 x 16 px around the middle of cell (2, 1) of stride 8, and nothing else."""
 
-    def forward(self, images: "torch.Tensor") -> "torch.Tensor":
+    def forward(self, images: torch.Tensor) -> torch.Tensor:
         height, width = images.shape[2] // 8, images.shape[3] // 8
         cells = torch.full((1, height * width * 21 // 16, 9), -10.0)
         cells[0, width + 2] = torch.tensor([0.5, 0.5, np.log(2.0), np.log(2.0), 3.0, 2.0, -9.0, -9.0, -9.0])

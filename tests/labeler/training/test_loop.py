@@ -7,15 +7,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-torch = pytest.importorskip("torch", reason="needs torch, of the extra `training`")
+pytest.importorskip("torch", reason="needs torch, of the extra `training`")
 
-from labeler.training.crops import CropConfig  # noqa: E402
-from labeler.training.detector import DetectorTask  # noqa: E402
-from labeler.training.errors import TrainingError  # noqa: E402
-from labeler.training.loop import CHECKPOINT, TrainingConfig, train  # noqa: E402
-from labeler.training.segmenter import SegmentationTask  # noqa: E402
-from labeler.training.yolox_network import YoloxShape  # noqa: E402
-from tests.labeler.training.made_pictures import picture  # noqa: E402
+import torch
+
+from labeler.training.crops import CropConfig
+from labeler.training.detector import DetectorTask
+from labeler.training.errors import TrainingError
+from labeler.training.loop import CHECKPOINT, TrainingConfig, train
+from labeler.training.segmenter import SegmentationTask
+from labeler.training.yolox_network import YoloxShape
+from tests.labeler.training.made_pictures import picture
 
 CROPS = CropConfig(height_px=64, width_px=96, smallest_scale=0.9, largest_scale=1.1, around_objects=1.0)
 TINY = YoloxShape(depth=0.33, width=0.125, depthwise=True)
@@ -31,7 +33,7 @@ def quiet(_: str) -> None:
     pass
 
 
-def numbers_of(network: "torch.nn.Module") -> "torch.Tensor":
+def numbers_of(network: torch.nn.Module) -> torch.Tensor:
     return torch.cat([value.reshape(-1).float() for value in network.state_dict().values()])
 
 
@@ -99,7 +101,7 @@ def test_settings_that_make_no_sense_are_refused(change: dict[str, int]) -> None
 
 def test_a_loss_that_is_not_a_number_ends_it(tmp_path: Path) -> None:
     class Broken(DetectorTask):
-        def loss(self, network: "torch.nn.Module", rng: np.random.Generator, count: int) -> "torch.Tensor":
+        def loss(self, network: torch.nn.Module, rng: np.random.Generator, count: int) -> torch.Tensor:
             return super().loss(network, rng, count) * float("nan")
 
     with pytest.raises(TrainingError, match="The loss of step 0 is nan"):

@@ -5,24 +5,25 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-torch = pytest.importorskip("torch", reason="needs torch, of the extra `training`")
+pytest.importorskip("torch", reason="needs torch, of the extra `training`")
 pytest.importorskip("onnx", reason="needs onnx, of the extra `training`")
 
-import onnxruntime  # noqa: E402
+import onnxruntime
+import torch
 
-from labeler.detection import DetectionConfig, open_detector  # noqa: E402
-from labeler.segmentation import open_segmenter  # noqa: E402
-from labeler.training.flat import FlatNetwork  # noqa: E402
-from labeler.training.onnx_export import export_detector, export_segmentation  # noqa: E402
-from labeler.training.segmentation_network import SegmentationNetwork  # noqa: E402
-from labeler.training.yolox_network import Yolox, YoloxShape  # noqa: E402
+from labeler.detection import DetectionConfig, open_detector
+from labeler.segmentation import open_segmenter
+from labeler.training.flat import FlatNetwork
+from labeler.training.onnx_export import export_detector, export_segmentation
+from labeler.training.segmentation_network import SegmentationNetwork
+from labeler.training.yolox_network import Yolox, YoloxShape
 
 
-def images(count: int, height: int, width: int) -> "torch.Tensor":
+def images(count: int, height: int, width: int) -> torch.Tensor:
     return torch.rand(count, 3, height, width, generator=torch.Generator().manual_seed(1)) * 255
 
 
-def warmed_up(network: "torch.nn.Module") -> "torch.nn.Module":
+def warmed_up(network: torch.nn.Module) -> torch.nn.Module:
     """With statistics of batch normalisation that are not those of a new one."""
     with torch.no_grad():
         for _ in range(3):
@@ -31,25 +32,25 @@ def warmed_up(network: "torch.nn.Module") -> "torch.nn.Module":
 
 
 @pytest.fixture(scope="module")
-def detector() -> "torch.nn.Module":
+def detector() -> torch.nn.Module:
     torch.manual_seed(5)
     return warmed_up(Yolox(4, YoloxShape(depth=0.33, width=0.125, depthwise=True)))
 
 
 @pytest.fixture(scope="module")
-def segmentation() -> "torch.nn.Module":
+def segmentation() -> torch.nn.Module:
     torch.manual_seed(5)
     return warmed_up(SegmentationNetwork(5))
 
 
-def run(file: Path, blob: "torch.Tensor") -> np.ndarray:
+def run(file: Path, blob: torch.Tensor) -> np.ndarray:
     session = onnxruntime.InferenceSession(str(file), providers=["CPUExecutionProvider"])
     return np.asarray(session.run(None, {"images": blob.numpy()})[0])
 
 
 @pytest.mark.parametrize("shape", [(1, 64, 96), (3, 96, 64)])
 def test_a_detector_file_says_what_torch_says(
-    detector: "torch.nn.Module", tmp_path: Path, shape: tuple[int, int, int]
+    detector: torch.nn.Module, tmp_path: Path, shape: tuple[int, int, int]
 ) -> None:
     export_detector(detector, tmp_path / "d.onnx", source="test")
     blob = images(*shape)
@@ -65,7 +66,7 @@ def test_a_detector_file_says_what_torch_says(
     assert [path.name for path in tmp_path.iterdir()] == ["d.onnx"]
 
 
-def test_a_detector_file_runs_like_any_other_yolox(detector: "torch.nn.Module", tmp_path: Path) -> None:
+def test_a_detector_file_runs_like_any_other_yolox(detector: torch.nn.Module, tmp_path: Path) -> None:
     export_detector(detector, tmp_path / "d.onnx", source="test")
 
     opened = open_detector(tmp_path / "d.onnx", DetectionConfig(min_score=1e-6), providers=("CPUExecutionProvider",))
@@ -77,7 +78,7 @@ def test_a_detector_file_runs_like_any_other_yolox(detector: "torch.nn.Module", 
 
 @pytest.mark.parametrize("shape", [(1, 64, 96), (2, 96, 128)])
 def test_a_segmentation_file_says_what_torch_says(
-    segmentation: "torch.nn.Module", tmp_path: Path, shape: tuple[int, int, int]
+    segmentation: torch.nn.Module, tmp_path: Path, shape: tuple[int, int, int]
 ) -> None:
     export_segmentation(segmentation, tmp_path / "s.onnx", source="test")
     blob = images(*shape)
@@ -90,7 +91,7 @@ def test_a_segmentation_file_says_what_torch_says(
     np.testing.assert_allclose(found, expected, atol=0.01)
 
 
-def test_a_segmentation_file_is_taken_by_the_room_that_paints(segmentation: "torch.nn.Module", tmp_path: Path) -> None:
+def test_a_segmentation_file_is_taken_by_the_room_that_paints(segmentation: torch.nn.Module, tmp_path: Path) -> None:
     export_segmentation(segmentation, tmp_path / "s.onnx", source="test")
 
     scores = open_segmenter(tmp_path / "s.onnx", providers=("CPUExecutionProvider",)).segment(

@@ -5,8 +5,8 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pyarrow as pa
-import pyarrow.feather
 import pytest
+from pyarrow import feather
 
 from labeler.drive import open_drive
 from labeler.training.errors import TrainingError
@@ -42,7 +42,7 @@ def make_drive(folder: Path, *, semantic: bool = True, visible: bool = True) -> 
     columns["visible_pixels"] = np.array([row[2] for row in ROWS], np.int32)
     columns["distance_m"] = np.array([60.0 if row[0] == "motorcycle" else 20.0 for row in ROWS], np.float32)
     columns["visible_share"] = np.array([row[3] for row in ROWS], np.float32)
-    pa.feather.write_feather(pa.table(columns), str(folder / "annotations_2d.feather"))
+    feather.write_feather(pa.table(columns), str(folder / "annotations_2d.feather"))
     if semantic:
         classes = folder / "semantic" / "front" / f"{TIME_NS}.png"
         classes.parent.mkdir(parents=True)

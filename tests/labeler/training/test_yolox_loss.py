@@ -4,9 +4,11 @@ import math
 
 import pytest
 
-torch = pytest.importorskip("torch", reason="needs torch, of the extra `training`")
+pytest.importorskip("torch", reason="needs torch, of the extra `training`")
 
-from labeler.training.yolox_loss import TrueObjects, yolox_loss  # noqa: E402
+import torch
+
+from labeler.training.yolox_loss import TrueObjects, yolox_loss
 
 INPUT_HW = (32, 32)  # 16 cells of stride 8, 4 of 16, 1 of 32
 CELLS = 21
@@ -14,7 +16,7 @@ NO_BOXES = torch.zeros(0, 4)
 NOTHING = TrueObjects(NO_BOXES, torch.zeros(0, dtype=torch.int64), NO_BOXES)
 
 
-def output(objectness: float = 0.0) -> "torch.Tensor":
+def output(objectness: float = 0.0) -> torch.Tensor:
     cells = torch.zeros(1, CELLS, 7)
     cells[..., 4] = objectness
     return cells
