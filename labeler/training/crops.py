@@ -6,6 +6,7 @@ windows and run on whole images. Half of the windows are laid around an object, 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -61,7 +62,7 @@ class CropSampler:
     def draw(self, rng: np.random.Generator) -> Picture:
         """One example, of the configured size."""
         config = self._config
-        scale = float(np.exp(rng.uniform(np.log(config.smallest_scale), np.log(config.largest_scale))))
+        scale = math.exp(rng.uniform(math.log(config.smallest_scale), math.log(config.largest_scale)))
         size = np.array([config.width_px, config.height_px]) / scale
         if self._objects and rng.random() < config.around_objects:
             rows = self._by_class[rng.choice(len(self._by_class), p=self._class_weights)]
