@@ -84,12 +84,12 @@ function Review({ drive }: { drive: DriveDetail }) {
   }, [drive.name]);
   const [logOpen, setLogOpen] = useState(false);
   useDriveEvents();
-  useEditKeys(() => setLogOpen(true));
   useKeys({
     mergesShown,
     toggleScene: () => setSceneOpen(!sceneOpen),
     openHelp: () => setHelpOpen(true),
   });
+  useEditKeys(() => setLogOpen(true)); // after the page's own: while boxes are drawn, Esc ends that
 
   return (
     <div className={classes.page}>
