@@ -19,13 +19,13 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from playwright.sync_api import Browser, CDPSession, Page, expect
+from playwright.sync_api import Browser, CDPSession, Page, ViewportSize, expect
 
 from tests.big_drive.making import make_workspace
 from tests.browser.serving import serving
 from tests.chromium import headless_chromium
 
-SIZE = {"width": 1600, "height": 1000}
+SIZE: ViewportSize = {"width": 1600, "height": 1000}
 SLOW_MS = 600_000
 START, WARM_FRAMES, STEPS, PLAYED, SCROLL_SECONDS, MERGES = 500, 60, 40, 100, 5, 10
 PERIOD_MS = 100.0

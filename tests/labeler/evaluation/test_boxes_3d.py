@@ -46,8 +46,8 @@ def drive(*, truth: bool = True) -> Drive:
     )
     return Drive(
         name="made", format="made", root=Path("made"), cameras=(Camera("front", 400, 200, CALIBRATION),),
-        frames=(frame,), poses=None, read_sweep=lambda _: Sweep(0, xyz_m, np.zeros(len(xyz_m), np.float32)),
-        read_truth=lambda _: known if truth else None,
+        frames=(frame,), poses=None, read_sweep=lambda file: Sweep(0, xyz_m, np.zeros(len(xyz_m), np.float32)),
+        read_truth=lambda frames: known if truth else None,
     )  # fmt: skip
 
 
