@@ -145,8 +145,9 @@ def gap_candidates(
     rival = _rivals(np.where(np.isfinite(still_m), np.minimum(sigmas, still_m / 0.5), sigmas), first, second)
     uncertainty_m = np.power(np.maximum(np.linalg.det(cov[:, :2, :2]), 1e-12), 0.25)
     sees = _Sees(rig, camera_names)
-    found: list[Candidate] = []
-    for row in np.flatnonzero(in_gate).tolist():
+    found: dict[tuple[int, int], Candidate] = {}
+    # Of two short tracks each may seem to come first: the longer gap is the last, and holds.
+    for row in sorted(np.flatnonzero(in_gate).tolist(), key=lambda row: float(gap_s[row])):
         a, b = records[int(first[row])], records[int(second[row])]
         assert a.end is not None
         assert b.begin is not None
@@ -165,10 +166,10 @@ def gap_candidates(
         kind = MergeKind.FRAGMENT if a.camera == b.camera else MergeKind.HANDOVER
         small, large = sorted((a.track_id, b.track_id))
         gap_frames = (a.end.frame_index, b.begin.frame_index)
-        found.append(
-            Candidate(small, large, kind, np.array(values), gap_s=float(max(gap_s[row], 0)), gap_frames=gap_frames)
+        found[small, large] = Candidate(
+            small, large, kind, np.array(values), gap_s=float(max(gap_s[row], 0)), gap_frames=gap_frames
         )
-    return found
+    return list(found.values())
 
 
 @dataclass(frozen=True, eq=False)

@@ -118,7 +118,7 @@ def label_camera(unit: LabelUnit, path: Path) -> None:
 
 
 TRACK = Stage("track", 2, "arrow", track)
-IDENTITY = Stage("identity", 2, "json", find_identities)
+IDENTITY = Stage("identity", 3, "json", find_identities)
 DONORS = Stage("donors", 1, "json", choose_donors)
 LABELS = Stage("labels", 2, "arrow", label_camera)
 

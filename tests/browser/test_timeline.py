@@ -44,15 +44,15 @@ def test_a_key_can_be_changed_and_conflicts_are_told(page: Page, small_review: s
     page.keyboard.press("?")
     dialog = page.get_by_role("dialog")
     dialog.get_by_role("button", name="Change the key of: Next frame").click()
-    page.keyboard.press("n")
-    expect(dialog.get_by_role("button", name="Change the key of: Next frame")).to_have_text("N")
+    page.keyboard.press("z")
+    expect(dialog.get_by_role("button", name="Change the key of: Next frame")).to_have_text("Z")
     dialog.get_by_role("button", name="Change the key of: Previous frame").click()
-    page.keyboard.press("n")
-    expect(dialog.get_by_role("alert")).to_contain_text("N is already “Next frame”.")
+    page.keyboard.press("z")
+    expect(dialog.get_by_role("alert")).to_contain_text("Z is already “Next frame”.")
     dialog.get_by_role("button", name="Cancel").click()
     page.keyboard.press("Escape")
     expect(dialog).to_be_hidden()
-    page.keyboard.press("n")
+    page.keyboard.press("z")
     expect(page.get_by_text("Frame 2 of 60")).to_be_visible()
 
     expect(page).to_have_url(re.compile("frame=1$"))  # the address follows a moment later
@@ -60,7 +60,7 @@ def test_a_key_can_be_changed_and_conflicts_are_told(page: Page, small_review: s
     expect(page.get_by_text("Frame 2 of 60")).to_be_visible()
     page.keyboard.press("Home")
     expect(page.get_by_text("Frame 1 of 60")).to_be_visible()
-    page.keyboard.press("n")
+    page.keyboard.press("z")
     expect(page.get_by_text("Frame 2 of 60")).to_be_visible()
 
 

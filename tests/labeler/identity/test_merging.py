@@ -33,7 +33,7 @@ CAMERAS = {
     "front": Camera("front", WIDTH, 400, Calibration(INTRINSICS, se3(AXES, [0, 0, 1.5]))),
     "left": Camera("left", WIDTH, 400, Calibration(INTRINSICS, se3(LEFT @ AXES, [0, 0, 1.5]))),
 }
-CONFIG = IdentityConfig()
+CONFIG = IdentityConfig(method="assignment")
 Seen = tuple[int, float, float]  # track, x and y in the ego frame
 
 

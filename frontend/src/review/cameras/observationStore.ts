@@ -33,6 +33,7 @@ export class ObservationStore {
   private readonly listeners = new Set<() => void>();
   private generation = 0;
   private revision: number | null = null;
+  private own = new Set<number>();
 
   constructor(
     private readonly load: LoadObservations,
@@ -75,6 +76,16 @@ export class ObservationStore {
   /** The revision of the labels that is known; null before the first. */
   knownRevision(): number | null {
     return this.revision;
+  }
+
+  /** A change that this page made itself. */
+  changedHere(revision: number): void {
+    this.own.add(revision);
+    this.invalidate(revision);
+  }
+
+  wasChangedHere(revision: number): boolean {
+    return this.own.has(revision);
   }
 
   isOlderThan(revision: number): boolean {

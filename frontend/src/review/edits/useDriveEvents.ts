@@ -18,8 +18,8 @@ export function useDriveEvents(): void {
     const timers = new Set<ReturnType<typeof setTimeout>>();
     const source = new EventSource(`/api/drives/${driveId}/events`);
     const onRevision = ({ revision, edit }: DriveRevision) => {
-      if (revision <= (observations.knownRevision() ?? revision)) return;
       if (client.isMutating({ mutationKey: ["decide", driveId] }) > 0) return later({ revision, edit });
+      if (observations.wasChangedHere(revision)) return;
       void client.invalidateQueries({ queryKey: ["drive", driveId] });
       if (edit) useEditNotice.getState().show("other", text.edits.byOther(edit.reviewer, describeEdit(edit)));
     };
@@ -30,7 +30,11 @@ export function useDriveEvents(): void {
       }, OWN_ANSWER_MS);
       timers.add(timer);
     };
-    source.addEventListener("revision", (event) => later(JSON.parse((event as MessageEvent<string>).data)));
+    source.addEventListener("revision", (event) => {
+      const news: DriveRevision = JSON.parse((event as MessageEvent<string>).data);
+      // Whether it is news is asked when it comes: labels that are read meanwhile may tell of the revision first.
+      if (news.revision > (observations.knownRevision() ?? news.revision)) later(news);
+    });
     return () => {
       source.close();
       for (const timer of timers) clearTimeout(timer);

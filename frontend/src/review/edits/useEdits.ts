@@ -73,7 +73,7 @@ export function useEdits() {
     scope: { id: `decide-${driveId}` },
     mutationFn: (ask: Ask) => send(driveId, ask, observations.knownRevision()),
     onSuccess: (change, ask) => {
-      observations.invalidate(change.revision);
+      observations.changedHere(change.revision);
       frames.refreshObservations();
       const known = new Set((client.getQueryData(identitiesQuery(driveId).queryKey) ?? []).map((one) => one.id));
       const selected = store.getState().identityIds;

@@ -88,7 +88,7 @@ export function useDecisions() {
       // What others are on their way with is not undone by what the server knew before it.
       const waiting = new Set(pendingMerges(client, mutationKey));
       replace(...change.merges.filter((merge) => merge.id === change.merge.id || !waiting.has(merge.id)));
-      observations.invalidate(change.revision);
+      observations.changedHere(change.revision);
       frames.refreshObservations();
       const { mergeId, select } = store.getState();
       if (decision === "undo") {
