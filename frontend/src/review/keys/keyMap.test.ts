@@ -27,7 +27,7 @@ describe("actionOf", () => {
     ["u", "undo"],
     ["?", "help"],
     ["Escape", "clear"],
-    ["x", null],
+    ["y", null],
   ])("%s is %s", (key, action) => {
     expect(actionOf(press(key))).toBe(action);
   });
