@@ -1,6 +1,5 @@
 """Synthetic cars on a flat road 1.7 m under the sensor, seen by a camera at the sensor that looks along x."""
 
-import time
 from pathlib import Path
 
 import numpy as np
@@ -222,20 +221,3 @@ def test_true_boxes_of_a_real_drive_lead_to_the_true_places(tri_scene_01: Path):
     assert len(errors_m) >= 8
     assert np.median(errors_m) < 0.5
     assert np.mean(np.array(errors_m) < 1.0) > 0.8
-
-
-@pytest.mark.real_drive
-def test_the_step_keeps_up_with_a_real_drive(kitti_0052: Path):
-    drive = open_drive(kitti_0052)
-    frame = drive.frames[0]
-    assert frame.sweep is not None
-    sweep = drive.read_sweep(frame.sweep)
-    rng = np.random.default_rng(0)
-    corner = rng.uniform([0, 150], [1100, 250], (40, 2))
-    found = detections(*np.concatenate([corner, corner + rng.uniform(20, 200, (40, 2))], axis=1).tolist())
-    seconds: list[float] = []
-    for _ in range(5):
-        begin = time.thread_time()
-        make(sweep, found, drive.cameras[0])
-        seconds.append(time.thread_time() - begin)
-    assert min(seconds) < 0.08
