@@ -139,28 +139,25 @@ class Explainer:
             ego=tuple(ego),
             track_a=_path(a, reference_SE3_city, first_s, last_s),
             track_b=_path(b, reference_SE3_city, first_s, last_s),
-            boxes_a=_boxes((frame.frame_index, frame.box_a) for frame in best)(reference_SE3_city, poses),
-            boxes_b=_boxes((frame.frame_index, frame.box_b) for frame in best)(reference_SE3_city, poses),
+            boxes_a=_boxes([(frame.frame_index, frame.box_a) for frame in best], reference_SE3_city, poses),
+            boxes_b=_boxes([(frame.frame_index, frame.box_b) for frame in best], reference_SE3_city, poses),
         )
 
 
-class _boxes:  # noqa: N801
-    """Boxes of some frames, in the ego frame of each, to be moved into one."""
-
-    def __init__(self, boxes: Iterable[tuple[int, NDArray[np.float64]]]) -> None:
-        self._boxes = list(boxes)
-
-    def __call__(
-        self, reference_SE3_city: NDArray[np.float64], poses: NDArray[np.float64]
-    ) -> tuple[tuple[float, ...], ...]:
-        moved: list[tuple[float, ...]] = []
-        for frame, box in sorted(self._boxes, key=lambda one: one[0]):
-            if np.isfinite(box).all():
-                pose = reference_SE3_city @ poses[frame]
-                xy_m = (pose[:3, :3] @ box[:3] + pose[:3, 3])[:2]
-                yaw_rad = float(box[6]) + yaw_of(pose)
-                moved.append((frame, *_rounded([*xy_m, *box[3:5]], _CENTIMETRES), round(yaw_rad, _MILLIRADIANS)))
-        return tuple(moved)
+def _boxes(
+    boxes: Sequence[tuple[int, NDArray[np.float64]]],
+    reference_SE3_city: NDArray[np.float64],
+    poses: NDArray[np.float64],
+) -> tuple[tuple[float, ...], ...]:
+    """Boxes of some frames, each in the ego frame of its own, moved into the reference frame."""
+    moved: list[tuple[float, ...]] = []
+    for frame, box in sorted(boxes, key=lambda one: one[0]):
+        if np.isfinite(box).all():
+            pose = reference_SE3_city @ poses[frame]
+            xy_m = (pose[:3, :3] @ box[:3] + pose[:3, 3])[:2]
+            yaw_rad = float(box[6]) + yaw_of(pose)
+            moved.append((frame, *_rounded([*xy_m, *box[3:5]], _CENTIMETRES), round(yaw_rad, _MILLIRADIANS)))
+    return tuple(moved)
 
 
 def _path(
