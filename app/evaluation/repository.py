@@ -3,11 +3,13 @@
 from collections.abc import Sequence
 from typing import Any
 
-from sqlalchemy import and_, select
+from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from app.identities.models import IdentityRow
+from app.tracks.label_repository import is_label_of_observation
 from app.tracks.models import LabelRow, ObservationRow, TrackRow
+from app.tracks.repository import same_track
 
 
 def best_of_tracks(session: Session, labelling_id: int) -> dict[int, tuple[int, float]]:
@@ -43,21 +45,8 @@ def labels_between(session: Session, labelling_id: int, start: int, stop: int) -
             LabelRow.class_id,
             LabelRow.score,
         )
-        .join(
-            TrackRow,
-            and_(
-                TrackRow.labelling_id == ObservationRow.labelling_id,
-                TrackRow.track_id == ObservationRow.track_id,
-            ),
-        )
-        .join(
-            LabelRow,
-            and_(
-                LabelRow.labelling_id == ObservationRow.labelling_id,
-                LabelRow.track_id == ObservationRow.track_id,
-                LabelRow.frame_index == ObservationRow.frame_index,
-            ),
-        )
+        .join(TrackRow, same_track(TrackRow, ObservationRow))
+        .join(LabelRow, is_label_of_observation())
         .where(
             ObservationRow.labelling_id == labelling_id,
             ObservationRow.frame_index >= start,

@@ -16,9 +16,10 @@ from app.drives.service import require_drive
 from app.exports import repository
 from app.identities import repository as identities_repository
 from app.jobs.worker import JobContext, JobProgress
+from app.tracks import label_repository
 from app.tracks import repository as tracks_repository
+from app.tracks.label_repository import LabelledFrames, LabelledObservation
 from app.tracks.models import LabellingRow
-from app.tracks.repository import LabelledFrames, LabelledObservation
 from labeler.errors import HindsightError
 from labeler.export import DatasetInfo, DonorReference, LabelledBox, LabelledImage, find_exporter
 
@@ -65,7 +66,7 @@ def _labelled_images(
     for start in range(0, drive.frame_count, FRAMES_PER_CLIP):
         stop = min(start + FRAMES_PER_CLIP, drive.frame_count)
         boxes: defaultdict[tuple[int, int], list[LabelledBox]] = defaultdict(list)
-        found = tracks_repository.labelled_frames(session, labelling.id, start, stop)
+        found = label_repository.labelled_frames(session, labelling.id, start, stop)
         for row in found.observations:
             track = found.tracks[row.track_id]
             if min_score <= (row.label_score or 0.0) and track.identity_id not in ignored:

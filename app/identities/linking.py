@@ -19,6 +19,7 @@ from app.identities import repository
 from app.identities.conflicts import MayNotBeOne
 from app.merges import repository as merges_repository
 from app.merges.repository import Link
+from app.tracks import label_repository
 from app.tracks import repository as tracks_repository
 from app.tracks.models import TrackRow
 from labeler.identity.linking import CannotLinkError, IdentityGraph, components
@@ -235,14 +236,14 @@ def _relabel(session: Session, labelling_id: int, identity_id: int, tracks: Sequ
     if moved:
         tracks_repository.set_identity(session, labelling_id, moved, identity_id)
     if said.class_id is not None:
-        return tracks_repository.label_by_person(
+        return label_repository.label_by_person(
             session, labelling_id, _ids(tracks), class_id=said.class_id, score=HUMAN_SCORE, drawn_only=False
         )
     best = best_track(tracks)
-    changed = tracks_repository.label_by_person(
+    changed = label_repository.label_by_person(
         session, labelling_id, _ids(tracks), class_id=best.class_id, score=HUMAN_SCORE, drawn_only=True
     )
-    return changed + tracks_repository.relabel(
+    return changed + label_repository.relabel(
         session,
         labelling_id,
         _ids(tracks),

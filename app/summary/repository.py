@@ -6,7 +6,9 @@ from sqlalchemy import Integer, and_, case, cast, func, literal, null, select
 from sqlalchemy.orm import Session
 from sqlalchemy.sql.elements import ColumnElement
 
+from app.tracks.label_repository import is_label_of_observation
 from app.tracks.models import Box3DRow, LabelRow, ObservationRow, TrackRow
+from app.tracks.repository import same_track
 
 SCORE_BINS = 100
 MILLIONTHS = 1_000_000
@@ -37,21 +39,8 @@ def count_labels(session: Session, labelling_id: int, distance_edges_m: tuple[fl
     query = (
         select(*columns, func.count())
         .select_from(ObservationRow)
-        .join(
-            LabelRow,
-            and_(
-                LabelRow.labelling_id == ObservationRow.labelling_id,
-                LabelRow.track_id == ObservationRow.track_id,
-                LabelRow.frame_index == ObservationRow.frame_index,
-            ),
-        )
-        .join(
-            TrackRow,
-            and_(
-                TrackRow.labelling_id == ObservationRow.labelling_id,
-                TrackRow.track_id == ObservationRow.track_id,
-            ),
-        )
+        .join(LabelRow, is_label_of_observation())
+        .join(TrackRow, same_track(TrackRow, ObservationRow))
         .outerjoin(
             Box3DRow,
             and_(

@@ -6,8 +6,8 @@ from pydantic_core import to_json
 from app.db.session import Session
 from app.drives import repository as drives_repository
 from app.errors import InvalidRequest, NotFound
-from app.tracks import repository
-from app.tracks.repository import LabelledFrames, LabelledObservation
+from app.tracks import label_repository, repository
+from app.tracks.label_repository import LabelledFrames, LabelledObservation
 from app.tracks.runs import score_runs
 from app.tracks.schemas import Track
 
@@ -32,7 +32,7 @@ def observations_json(session: Session, drive_id: int, start: int, stop: int) ->
     stop = min(stop, drive.frame_count)
     frames: dict[int, list[dict[str, object]]] = {index: [] for index in range(start, stop)}
     if labelling is not None:
-        found = repository.labelled_frames(session, labelling.id, start, stop)
+        found = label_repository.labelled_frames(session, labelling.id, start, stop)
         cameras = repository.camera_names(session, drive_id)
         names = labelling.class_names
         for row in found.observations:

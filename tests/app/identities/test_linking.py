@@ -130,12 +130,16 @@ def test_what_holds_depends_on_the_last_words_only(
             _decide(store, labelling_id, verb, pair)
         with store.read() as session:
             before = _accepted(session, labelling_id)
-            by_person = [row for row in merges.list_by_score(session, labelling_id) if row.decided_by == "person"]
+            rows = merges.list_by_score(session, labelling_id)
+            said = {row.tracks: row.state.removesuffix("ed") for row in rows if row.decided_by == "person"}
     with _labelled_store(three_camera_drive) as (store, labelling_id):
-        for row in sorted(by_person, key=lambda row: row.state == "accepted"):  # rejections first: they free the way
-            assert row.track_a is not None
-            assert row.track_b is not None
-            _decide(store, labelling_id, row.state.removesuffix("ed"), (row.track_a, row.track_b))
+        for row in rows:  # what the machine merged stands in the way of what a person accepted later
+            _decide(store, labelling_id, "reject", row.tracks)
+        for pair, verb in said.items():
+            _decide(store, labelling_id, verb, pair)
+        for row in rows:
+            if row.tracks not in said:
+                _decide(store, labelling_id, "undo", row.tracks)
         with store.read() as session:
             assert _accepted(session, labelling_id) == before
 

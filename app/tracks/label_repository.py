@@ -1,0 +1,201 @@
+"""SQL about labels: observations with theirs, and giving tracks other ones."""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple, cast
+
+from sqlalchemy import CursorResult, Integer, and_, column, exists, or_, select, true, update, values
+from sqlalchemy.orm import Session
+
+from app.tracks.models import LabelRow, ObservationRow, TrackRow
+from app.tracks.repository import same_track
+
+PAIRS_PER_QUERY = 400
+
+
+class LabelledObservation(NamedTuple):
+    """An observation with its label."""
+
+    id: int
+    track_id: int
+    frame_index: int
+    x1_px: float
+    y1_px: float
+    x2_px: float
+    y2_px: float
+    class_id: int
+    score: float | None
+    filled: bool
+    label_class_id: int
+    label_score: float | None
+    label_source: str
+    donor_track_id: int
+    donor_frame_index: int
+
+
+class TrackPlace(NamedTuple):
+    """Where a track belongs."""
+
+    identity_id: int
+    camera_id: int
+
+
+class DonorObservation(NamedTuple):
+    """The observation that a label was taken from."""
+
+    id: int
+    camera_id: int
+    score: float | None
+
+
+class LabelledFrames(NamedTuple):
+    """Observations of some frames by frame and track, and what they refer to: each track once, each donor once.
+
+    ``donors`` go by track and frame."""
+
+    observations: list[LabelledObservation]
+    tracks: dict[int, TrackPlace]
+    donors: dict[tuple[int, int], DonorObservation]
+
+
+def labelled_frames(session: Session, labelling_id: int, start: int, stop: int) -> LabelledFrames:
+    """Observations of the frames ``start <= frame_index < stop`` with their labels.
+
+    Tracks and donors are read beside, not joined: they repeat from frame to frame.
+    """
+    query = (
+        select(
+            ObservationRow.id,
+            ObservationRow.track_id,
+            ObservationRow.frame_index,
+            ObservationRow.x1_px,
+            ObservationRow.y1_px,
+            ObservationRow.x2_px,
+            ObservationRow.y2_px,
+            ObservationRow.class_id,
+            ObservationRow.score,
+            ObservationRow.filled,
+            LabelRow.class_id,
+            LabelRow.score,
+            LabelRow.source,
+            LabelRow.donor_track_id,
+            LabelRow.donor_frame_index,
+        )
+        .join(LabelRow, is_label_of_observation())
+        .where(
+            ObservationRow.labelling_id == labelling_id,
+            ObservationRow.frame_index >= start,
+            ObservationRow.frame_index < stop,
+        )
+        .order_by(ObservationRow.frame_index, ObservationRow.track_id)
+    )
+    observations = [LabelledObservation._make(row) for row in session.execute(query)]
+    present = select(TrackRow.track_id, TrackRow.identity_id, TrackRow.camera_id).where(
+        TrackRow.labelling_id == labelling_id, TrackRow.first_frame < stop, TrackRow.last_frame >= start
+    )
+    return LabelledFrames(
+        observations,
+        {track_id: TrackPlace(identity_id, camera_id) for track_id, identity_id, camera_id in session.execute(present)},
+        _donors(session, labelling_id, {(row.donor_track_id, row.donor_frame_index) for row in observations}),
+    )
+
+
+def _donors(
+    session: Session, labelling_id: int, wanted: set[tuple[int, int]]
+) -> dict[tuple[int, int], DonorObservation]:
+    """Observations by track and frame.
+
+    The pairs are a table of the query, so that each is looked up in the index; SQLite scans all rows for a list of
+    pairs.
+    """
+    found: dict[tuple[int, int], DonorObservation] = {}
+    pairs = sorted(wanted)
+    for start in range(0, len(pairs), PAIRS_PER_QUERY):
+        some = values(column("track_id", Integer), column("frame_index", Integer), name="wanted")
+        asked = some.data(pairs[start : start + PAIRS_PER_QUERY]).cte("wanted")
+        query = (
+            select(
+                TrackRow.track_id,
+                ObservationRow.frame_index,
+                ObservationRow.id,
+                TrackRow.camera_id,
+                ObservationRow.score,
+            )
+            .select_from(asked)
+            .join(
+                ObservationRow,
+                and_(
+                    ObservationRow.labelling_id == labelling_id,
+                    ObservationRow.track_id == asked.c.track_id,
+                    ObservationRow.frame_index == asked.c.frame_index,
+                ),
+            )
+            .join(TrackRow, same_track(TrackRow, ObservationRow))
+        )
+        for track_id, frame_index, observation_id, camera_id, score in session.execute(query):
+            found[track_id, frame_index] = DonorObservation(observation_id, camera_id, score)
+    return found
+
+
+def relabel(
+    session: Session,
+    labelling_id: int,
+    track_ids: Sequence[int],
+    *,
+    class_id: int,
+    score: float | None,
+    donor_track_id: int,
+    donor_frame_index: int,
+) -> int:
+    """Give the labels of some tracks another donor, but leave those of drawn boxes; how many labels change."""
+    is_donor = and_(LabelRow.track_id == donor_track_id, LabelRow.frame_index == donor_frame_index)
+    ours = and_(LabelRow.labelling_id == labelling_id, LabelRow.track_id.in_(track_ids), ~_is_drawn())
+    given = {
+        "class_id": class_id,
+        "score": score,
+        "donor_track_id": donor_track_id,
+        "donor_frame_index": donor_frame_index,
+    }
+    differs = or_(
+        LabelRow.donor_track_id != donor_track_id,
+        LabelRow.donor_frame_index != donor_frame_index,
+        LabelRow.class_id != class_id,
+        LabelRow.score.is_distinct_from(score),
+        LabelRow.source == "human",
+    )
+    options = {"synchronize_session": False}
+    changed = session.execute(
+        update(LabelRow).where(ours, differs).values(source="propagated", **given), execution_options=options
+    )
+    session.execute(update(LabelRow).where(ours, is_donor).values(source="auto"), execution_options=options)
+    return cast("CursorResult[Any]", changed).rowcount
+
+
+def label_by_person(
+    session: Session, labelling_id: int, track_ids: Sequence[int], *, class_id: int, score: float, drawn_only: bool
+) -> int:
+    """Let the labels of some tracks, or of their drawn boxes, be a person's word; how many labels change."""
+    differs = or_(LabelRow.source != "human", LabelRow.class_id != class_id, LabelRow.score.is_distinct_from(score))
+    ours = and_(LabelRow.labelling_id == labelling_id, LabelRow.track_id.in_(track_ids))
+    changed = session.execute(
+        update(LabelRow)
+        .where(ours, differs, _is_drawn() if drawn_only else true())
+        .values(
+            class_id=class_id,
+            score=score,
+            source="human",
+            donor_track_id=LabelRow.track_id,
+            donor_frame_index=LabelRow.frame_index,
+        ),
+        execution_options={"synchronize_session": False},
+    )
+    return cast("CursorResult[Any]", changed).rowcount
+
+
+def _is_drawn() -> Any:
+    """Whether a label is that of a box that a person drew."""
+    return exists().where(is_label_of_observation(), ObservationRow.drawn)
+
+
+def is_label_of_observation() -> Any:
+    """That a label is that of an observation."""
+    return and_(same_track(LabelRow, ObservationRow), LabelRow.frame_index == ObservationRow.frame_index)
