@@ -13,6 +13,7 @@ from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
 from labeler.errors import HindsightError
 from labeler.models import ModelCache
+from labeler.propagation import PropagationConfig
 
 PREFIX = "HINDSIGHT_"
 GIB = 1024**3
@@ -64,6 +65,17 @@ class Settings(BaseSettings):
         default="baseline",
         description="How tracks are merged: all evidence at once, or the paper's Algorithm 2 as it stands (baseline).",
     )
+    propagation: Literal["highest", "top-k"] = Field(
+        default="highest",
+        description="Whose label all sightings of an object get: the surest one's, as in the paper, or that of the "
+        "class that wins a vote of the surest (top-k).",
+    )
+    top_k: int = Field(default=5, ge=1, description="How many sightings vote on the class with top-k.")
+    donor_window_s: float = Field(
+        default=0.0,
+        ge=0,
+        description="A label comes from a sighting less than this many seconds away; 0 takes it from any time.",
+    )
     allowed_hosts: Annotated[tuple[str, ...], NoDecode] = Field(
         default=(),
         description="Host names, separated by commas, that the server answers to beside localhost and its address.",
@@ -108,6 +120,11 @@ class Settings(BaseSettings):
             for name, value in self
             if value is not None
         }
+
+    @property
+    def propagation_config(self) -> PropagationConfig:
+        """How labels are given."""
+        return PropagationConfig(rule=self.propagation, top_k=self.top_k, window_s=self.donor_window_s)
 
     @property
     def store_url(self) -> str:

@@ -10,11 +10,14 @@ import typer
 
 from app.commands.options import (
     AsJson,
+    DonorWindow,
     DriveFolder,
     Identity,
     InputSize,
     ModelName,
+    Propagation,
     SceneName,
+    TopK,
     TrackerName,
     WorkspaceFolder,
 )
@@ -50,6 +53,9 @@ def label(
     input_size: InputSize = None,
     tracker: TrackerName = None,
     identity: Identity = None,
+    propagation: Propagation = None,
+    top_k: TopK = None,
+    donor_window: DonorWindow = None,
     executor: Annotated[
         ExecutorName, typer.Option(help="Worker processes on all cores, or one thing after the other in one process.")
     ] = ExecutorName.PROCESSES,
@@ -59,7 +65,14 @@ def label(
     as_json: AsJson = False,
 ) -> None:
     """Label a recorded drive. Stop it with Ctrl-C at any time; the same command goes on from there."""
-    settings = load_settings(workspace=workspace, model=model, identity=identity)
+    settings = load_settings(
+        workspace=workspace,
+        model=model,
+        identity=identity,
+        propagation=propagation,
+        top_k=top_k,
+        donor_window_s=donor_window,
+    )
     with open_executor(executor.value, workers=workers) as open_workers:
         summary = label_into_store(
             settings, drive, scene=scene, input_size=input_size, tracker=tracker, executor=open_workers
@@ -124,7 +137,7 @@ def label_settings(settings: Settings, input_size: int | None, tracker: str | No
     """The labeler's settings as the user wants them, with the input size and the tracker where they are given.
 
     HindsightError when the input size is out of range or there is no such tracker."""
-    chosen = LabelSettings(identity=IdentityConfig(method=settings.identity))
+    chosen = LabelSettings(identity=IdentityConfig(method=settings.identity), propagation=settings.propagation_config)
     if tracker is not None:
         chosen = replace(chosen, tracking=TrackingConfig(method=tracker))
     if input_size is None:

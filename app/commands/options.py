@@ -14,6 +14,13 @@ class IdentityMethod(StrEnum):
     BASELINE = "baseline"
 
 
+class PropagationRule(StrEnum):
+    """Whose label all sightings of an object get."""
+
+    HIGHEST = "highest"
+    TOP_K = "top-k"
+
+
 DriveFolder = Annotated[
     Path,
     typer.Argument(
@@ -69,6 +76,29 @@ Identity = Annotated[
         "--identity",
         help="How tracks are merged: all evidence at once (assignment), or the paper's Algorithm 2 as it stands "
         "(baseline). (default: HINDSIGHT_IDENTITY, else baseline)",
+        show_default=False,
+    ),
+]
+Propagation = Annotated[
+    PropagationRule | None,
+    typer.Option(
+        help="Whose label all sightings of an object get: that of the surest one, as in the paper (highest), or of the "
+        "class that wins a vote of the surest (top-k). (default: HINDSIGHT_PROPAGATION, else highest)",
+        show_default=False,
+    ),
+]
+TopK = Annotated[
+    int | None,
+    typer.Option(
+        min=1, help="How many sightings vote with top-k. (default: HINDSIGHT_TOP_K, else 5)", show_default=False
+    ),
+]
+DonorWindow = Annotated[
+    float | None,
+    typer.Option(
+        min=0,
+        help="Take labels only from sightings less than this many seconds away; 0: from any time. (default: "
+        "HINDSIGHT_DONOR_WINDOW_S, else 0)",
         show_default=False,
     ),
 ]

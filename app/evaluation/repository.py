@@ -25,7 +25,7 @@ def labels_between(session: Session, labelling_id: int, start: int, stop: int) -
     Objects that a person ignores are not among them.
 
     In order: frame_index, camera_id, x1_px, y1_px, x2_px, y2_px, class_id and score as detected, track_id, identity_id,
-    class_id and score of the label.
+    class_id and score of the label, why it is withheld, how likely it is right.
     """
     ignored = select(IdentityRow.identity_id).where(
         IdentityRow.labelling_id == labelling_id, IdentityRow.mark == "ignored"
@@ -44,6 +44,8 @@ def labels_between(session: Session, labelling_id: int, start: int, stop: int) -
             TrackRow.identity_id,
             LabelRow.class_id,
             LabelRow.score,
+            LabelRow.withheld,
+            LabelRow.probability,
         )
         .join(TrackRow, same_track(TrackRow, ObservationRow))
         .join(LabelRow, is_label_of_observation())

@@ -82,9 +82,8 @@ def _read_labels(
 
 def _to_label_rows(columns: Sequence[Sequence[Any]], camera_numbers: dict[int, int]) -> LabelRows:
     """Columns as :func:`app.evaluation.repository.labels_between` gives them; a score of None becomes NaN."""
-    frame_index, camera_id, x1, y1, x2, y2, class_id, score, track_id, identity_id, label_class_id, label_score = (
-        columns
-    )
+    frame_index, camera_id, x1, y1, x2, y2, class_id, score, track_id, identity_id, *label = columns
+    label_class_id, label_score, withheld, probability = label
     return LabelRows(
         own=BoxRows(
             frame_index=np.array(frame_index, np.int32),
@@ -97,4 +96,6 @@ def _to_label_rows(columns: Sequence[Sequence[Any]], camera_numbers: dict[int, i
         identity_id=np.array(identity_id, np.int32),
         label_class_id=np.array(label_class_id, np.int16),
         label_score=np.array(label_score, np.float32),
+        withheld=np.array([reason is not None for reason in withheld], np.bool_),
+        probability=np.array(probability, np.float32),
     )

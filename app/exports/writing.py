@@ -104,6 +104,8 @@ def _to_box(row: LabelledObservation, found: LabelledFrames, cameras: dict[int, 
         source=row.label_source,
         filled=row.filled,
         donor=donor,
+        probability=row.probability,
+        withheld=row.withheld,
     )
 
 

@@ -3,8 +3,8 @@
 Only the tracks that the changed merges can reach are looked at. A person's merges are joined first, the machine's after
 them in order of score, all under the cannot-link rule; a merge of the machine that no longer fits becomes a proposal,
 and is made again when it fits again. People's edits bind as their merges do: tracks that they joined, and tracks that
-they said are two objects. Then every identity takes the class that a person gave it, else the label of its best
-observation (the paper's Algorithm 3), which is the best of its tracks' best ones.
+they said are two objects. Then every identity takes the class that a person gave it, else the labels that the labeler
+makes of its observations (:mod:`app.identities.relabelling`).
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -17,12 +17,15 @@ from app.edits.repository import Pair
 from app.edits.types import EffectKind
 from app.identities import repository
 from app.identities.conflicts import MayNotBeOne
+from app.identities.relabelling import Relabelled, Relabelling
 from app.merges import repository as merges_repository
 from app.merges.repository import Link
 from app.tracks import label_repository
 from app.tracks import repository as tracks_repository
 from app.tracks.models import TrackRow
 from labeler.identity.linking import CannotLinkError, IdentityGraph, components
+from labeler.propagation import Donor
+from labeler.propagation.votes import SCORE_DIGITS
 
 HUMAN_SCORE = 1.0
 """The score of a label that is a person's word."""
@@ -83,21 +86,24 @@ def relink(
     for track in tracks:
         members.setdefault(graph.identity_of(track.track_id), []).append(track)
     said = _said(session, labelling_id, tracks, pieces, graph.identity_of)
-    changed = sum(
-        _relabel(session, labelling_id, identity, group, said.get(identity, Said()))
+    relabelling = Relabelling(session, labelling_id)
+    relabelled = {
+        identity: _relabel(session, labelling_id, identity, group, said.get(identity, Said()), relabelling)
         for identity, group in members.items()
-    )
+    }
     rows = [
         identity_values(
             labelling_id,
             identity,
             group,
+            donor=relabelled[identity].donor,
             propagated_count=repository.propagated_count(session, labelling_id, _ids(group)),
             said=said.get(identity, Said()),
         )
         for identity, group in members.items()
     ]
     repository.replace(session, labelling_id, before | members.keys(), rows)
+    changed = sum(one.changed_count for one in relabelled.values())
     return Relinked(tuple(sorted(members)), changed, tuple(refused))
 
 
@@ -117,18 +123,20 @@ def identity_values(
     identity_id: int,
     tracks: Sequence[TrackRow],
     *,
+    donor: Donor | None,
     propagated_count: int,
     said: Said = Said(),
 ) -> dict[str, int | float | str | None]:
-    """The columns of an identity that has these tracks."""
+    """The columns of an identity that has these tracks, and that donor; None where no observation has a score."""
     best = best_track(tracks)
+    class_id, score = (best.class_id, None) if donor is None else (donor.class_id, round(donor.score, SCORE_DIGITS))
     return {
         "labelling_id": labelling_id,
         "identity_id": identity_id,
-        "class_id": best.class_id if said.class_id is None else said.class_id,
-        "score": best.best_score if said.class_id is None else HUMAN_SCORE,
-        "donor_track_id": best.track_id,
-        "donor_frame_index": best.best_frame,
+        "class_id": class_id if said.class_id is None else said.class_id,
+        "score": score if said.class_id is None else HUMAN_SCORE,
+        "donor_track_id": best.track_id if donor is None else donor.track_id,
+        "donor_frame_index": best.best_frame if donor is None else donor.frame_index,
         "first_frame": min(track.first_frame for track in tracks),
         "last_frame": max(track.last_frame for track in tracks),
         "observation_count": sum(track.observation_count for track in tracks),
@@ -230,28 +238,30 @@ def _join(session: Session, graph: IdentityGraph, links: Sequence[Link | Pair], 
     return refused
 
 
-def _relabel(session: Session, labelling_id: int, identity_id: int, tracks: Sequence[TrackRow], said: Said) -> int:
-    """Put tracks into an identity and give them its label; how many labels change."""
+def _relabel(
+    session: Session,
+    labelling_id: int,
+    identity_id: int,
+    tracks: Sequence[TrackRow],
+    said: Said,
+    relabelling: Relabelling,
+) -> Relabelled:
+    """Put tracks into an identity and give them its labels."""
     moved = [track.track_id for track in tracks if track.identity_id != identity_id]
     if moved:
         tracks_repository.set_identity(session, labelling_id, moved, identity_id)
+    ids = _ids(tracks)
     if said.class_id is not None:
-        return label_repository.label_by_person(
-            session, labelling_id, _ids(tracks), class_id=said.class_id, score=HUMAN_SCORE, drawn_only=False
+        changed = label_repository.label_by_person(
+            session, labelling_id, ids, class_id=said.class_id, score=HUMAN_SCORE, drawn_only=False
         )
-    best = best_track(tracks)
-    changed = label_repository.label_by_person(
-        session, labelling_id, _ids(tracks), class_id=best.class_id, score=HUMAN_SCORE, drawn_only=True
+        return Relabelled(relabelling.donor(ids), changed)
+    found = relabelling.relabel(ids)
+    class_id = best_track(tracks).class_id if found.donor is None else found.donor.class_id
+    drawn = label_repository.label_by_person(
+        session, labelling_id, ids, class_id=class_id, score=HUMAN_SCORE, drawn_only=True
     )
-    return changed + label_repository.relabel(
-        session,
-        labelling_id,
-        _ids(tracks),
-        class_id=best.class_id,
-        score=best.best_score,
-        donor_track_id=best.track_id,
-        donor_frame_index=best.best_frame,
-    )
+    return Relabelled(found.donor, found.changed_count + drawn)
 
 
 def _ids(tracks: Iterable[TrackRow]) -> list[int]:

@@ -5,7 +5,6 @@ and identities, lets people's earlier decisions hold, and makes the labelling th
 result, then the new one, never a mixture. What was replaced is deleted afterwards, in short transactions as well.
 """
 
-import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
@@ -22,16 +21,18 @@ from app.identities.linking import identity_values
 from app.merges import repository as merges_repository
 from app.reviews.carrying import carry_over
 from app.tracks import repository
+from app.tracks.label_values import label_values, scores_of
 from app.tracks.models import Box3DRow, LabellingRow, LabelRow, ObservationRow, TrackRow
 from labeler.errors import HindsightError
 from labeler.identity.types import MergeProposal
 from labeler.pipeline.types import LabelledDrive, LabelledView, Progress, SilentProgress
-from labeler.propagation.types import LabelSource
+from labeler.propagation.probability import PIXEL_DIGITS
+from labeler.propagation.votes import SCORE_DIGITS
 from labeler.tracking.types import NO_DETECTION
 
 ROWS_PER_TRANSACTION = 10_000
 TRACKS_PER_DELETION = 500
-PIXEL_DIGITS, METRE_DIGITS, SCORE_DIGITS = 2, 4, 6
+METRE_DIGITS = 4
 STAGE = "store"
 
 Columns = Mapping[str, Sequence[Any]]
@@ -135,6 +136,7 @@ def _begin(store: Store, drive_id: int, labelled: LabelledDrive, cameras: Mappin
                 class_names=list(labelled.class_names),
                 summary=dict(labelled.summary),
                 warnings=list(labelled.summary["warnings"]),
+                propagation=asdict(labelled.propagation),
             ),
         )
         if labelled.tracks:
@@ -215,7 +217,13 @@ def _write_merges_and_identities(
     for track in repository.tracks_of(session, labelling_id):
         members.setdefault(track.identity_id, []).append(track)
     identities = [
-        identity_values(labelling_id, identity_id, tracks, propagated_count=propagated.get(identity_id, 0))
+        identity_values(
+            labelling_id,
+            identity_id,
+            tracks,
+            donor=labelled.donors.get(identity_id),
+            propagated_count=propagated.get(identity_id, 0),
+        )
         for identity_id, tracks in members.items()
     ]
     identities_repository.replace(session, labelling_id, (), identities)
@@ -251,25 +259,21 @@ def _observation_columns(labelling_id: int, view: LabelledView) -> Columns:
         "tracked_id": observations.track_id.tolist(),
         "drawn": [False] * len(observations),
         "frame_index": observations.frame_index.tolist(),
-        "score": _scores(observations.score),
+        "score": scores_of(observations.score),
         "class_id": observations.class_id.tolist(),
         "filled": (observations.detection_index == NO_DETECTION).tolist(),
+        "trust": observations.trust.astype(np.float64).tolist(),
         **_decimals(observations.xyxy_px, ("x1_px", "y1_px", "x2_px", "y2_px"), digits=PIXEL_DIGITS),
     }
 
 
 def _label_columns(labelling_id: int, view: LabelledView) -> Columns:
     labels = view.labels
-    sources = (LabelSource.AUTO.value, LabelSource.PROPAGATED.value)
     return {
         "labelling_id": [labelling_id] * len(labels),
         "track_id": labels.track_id.tolist(),
         "frame_index": labels.frame_index.tolist(),
-        "class_id": labels.class_id.tolist(),
-        "score": _scores(labels.score),
-        "source": [sources[given] for given in labels.propagated.tolist()],
-        "donor_track_id": labels.donor_track_id.tolist(),
-        "donor_frame_index": labels.donor_frame_index.tolist(),
+        **label_values(labels),
     }
 
 
@@ -284,7 +288,7 @@ def _box_columns(labelling_id: int, frame_index: int, camera_id: int, view: Labe
         "row": list(range(count)),
         "track_id": track_id,
         "tracked_id": track_id,
-        "score": _scores(boxes.score),
+        "score": scores_of(boxes.score),
         "class_id": boxes.class_id.tolist(),
         "point_count": boxes.num_points.tolist(),
         "yaw_rad": boxes.yaw_rad.astype(np.float64).tolist(),
@@ -297,12 +301,6 @@ def _decimals(values: NDArray[np.float32], names: Sequence[str], *, digits: int)
     """Columns of an (N, len(names)) array, rounded in double precision: 0.1 stays 0.1, and JSON short."""
     rounded = np.round(values.astype(np.float64), digits)
     return {name: rounded[:, column].tolist() for column, name in enumerate(names)}
-
-
-def _scores(scores: NDArray[np.float32]) -> list[float | None]:
-    """Scores as the store keeps them: None where there is none."""
-    rounded: list[float] = np.round(scores.astype(np.float64), SCORE_DIGITS).tolist()
-    return [None if math.isnan(score) else score for score in rounded]
 
 
 def _lost_decisions(count: int) -> str:

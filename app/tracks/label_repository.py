@@ -3,13 +3,15 @@
 from collections.abc import Sequence
 from typing import Any, NamedTuple, cast
 
-from sqlalchemy import CursorResult, Integer, and_, column, exists, or_, select, true, update, values
+from sqlalchemy import CursorResult, Integer, and_, bindparam, column, exists, or_, select, true, update, values
 from sqlalchemy.orm import Session
 
 from app.tracks.models import LabelRow, ObservationRow, TrackRow
 from app.tracks.repository import same_track
 
+IDS_PER_QUERY = 1_000
 PAIRS_PER_QUERY = 400
+LABEL_COLUMNS = ("class_id", "score", "source", "donor_track_id", "donor_frame_index", "withheld", "probability")
 
 
 class LabelledObservation(NamedTuple):
@@ -30,6 +32,26 @@ class LabelledObservation(NamedTuple):
     label_source: str
     donor_track_id: int
     donor_frame_index: int
+    trust: float | None
+    withheld: str | None
+    probability: float | None
+
+
+class BoxAndLabel(NamedTuple):
+    """A box of the machine, and the label that it has now, in the order of LABEL_COLUMNS."""
+
+    track_id: int
+    camera_id: int
+    frame_index: int
+    x1_px: float
+    y1_px: float
+    x2_px: float
+    y2_px: float
+    score: float | None
+    class_id: int
+    filled: bool
+    trust: float | None
+    label: tuple[Any, ...]
 
 
 class TrackPlace(NamedTuple):
@@ -79,6 +101,9 @@ def labelled_frames(session: Session, labelling_id: int, start: int, stop: int) 
             LabelRow.source,
             LabelRow.donor_track_id,
             LabelRow.donor_frame_index,
+            ObservationRow.trust,
+            LabelRow.withheld,
+            LabelRow.probability,
         )
         .join(LabelRow, is_label_of_observation())
         .where(
@@ -136,38 +161,53 @@ def _donors(
     return found
 
 
-def relabel(
-    session: Session,
-    labelling_id: int,
-    track_ids: Sequence[int],
-    *,
-    class_id: int,
-    score: float | None,
-    donor_track_id: int,
-    donor_frame_index: int,
-) -> int:
-    """Give the labels of some tracks another donor, but leave those of drawn boxes; how many labels change."""
-    is_donor = and_(LabelRow.track_id == donor_track_id, LabelRow.frame_index == donor_frame_index)
-    ours = and_(LabelRow.labelling_id == labelling_id, LabelRow.track_id.in_(track_ids), ~_is_drawn())
-    given = {
-        "class_id": class_id,
-        "score": score,
-        "donor_track_id": donor_track_id,
-        "donor_frame_index": donor_frame_index,
-    }
-    differs = or_(
-        LabelRow.donor_track_id != donor_track_id,
-        LabelRow.donor_frame_index != donor_frame_index,
-        LabelRow.class_id != class_id,
-        LabelRow.score.is_distinct_from(score),
-        LabelRow.source == "human",
+def boxes_of_tracks(session: Session, labelling_id: int, track_ids: Sequence[int]) -> list[BoxAndLabel]:
+    """The boxes of some tracks that no person drew, by track and frame."""
+    query = (
+        select(
+            ObservationRow.track_id,
+            TrackRow.camera_id,
+            ObservationRow.frame_index,
+            ObservationRow.x1_px,
+            ObservationRow.y1_px,
+            ObservationRow.x2_px,
+            ObservationRow.y2_px,
+            ObservationRow.score,
+            ObservationRow.class_id,
+            ObservationRow.filled,
+            ObservationRow.trust,
+            *(getattr(LabelRow, name) for name in LABEL_COLUMNS),
+        )
+        .join(TrackRow, same_track(TrackRow, ObservationRow))
+        .join(LabelRow, is_label_of_observation())
+        .where(ObservationRow.labelling_id == labelling_id, ~ObservationRow.drawn)
+        .order_by(ObservationRow.track_id, ObservationRow.frame_index)
     )
-    options = {"synchronize_session": False}
-    changed = session.execute(
-        update(LabelRow).where(ours, differs).values(source="propagated", **given), execution_options=options
+    ids = sorted(track_ids)
+    of_box = len(BoxAndLabel._fields) - 1
+    return [
+        BoxAndLabel(*row[:of_box], tuple(row[of_box:]))
+        for start in range(0, len(ids), IDS_PER_QUERY)
+        for row in session.execute(query.where(ObservationRow.track_id.in_(ids[start : start + IDS_PER_QUERY])))
+    ]
+
+
+def change_labels(session: Session, labelling_id: int, changed: Sequence[tuple[int, int, tuple[Any, ...]]]) -> None:
+    """Give labels other values: track, frame, and the LABEL_COLUMNS."""
+    if not changed:
+        return
+    statement = (
+        update(LabelRow)
+        .where(
+            LabelRow.labelling_id == labelling_id,
+            LabelRow.track_id == bindparam("of_track"),
+            LabelRow.frame_index == bindparam("of_frame"),
+        )
+        .values({name: bindparam(f"new_{name}") for name in LABEL_COLUMNS})
     )
-    session.execute(update(LabelRow).where(ours, is_donor).values(source="auto"), execution_options=options)
-    return cast("CursorResult[Any]", changed).rowcount
+    names = ("of_track", "of_frame", *(f"new_{name}" for name in LABEL_COLUMNS))
+    rows = [dict(zip(names, (track_id, frame, *label), strict=True)) for track_id, frame, label in changed]
+    session.connection().execute(statement, rows)
 
 
 def label_by_person(
@@ -185,6 +225,8 @@ def label_by_person(
             source="human",
             donor_track_id=LabelRow.track_id,
             donor_frame_index=LabelRow.frame_index,
+            withheld=None,
+            probability=None,
         ),
         execution_options={"synchronize_session": False},
     )

@@ -26,7 +26,10 @@ def run_label_job(context: JobContext) -> str | None:
         model=model,
         segmentation=segmentation,
         workspace=context.settings.workspace,
-        settings=LabelSettings(identity=IdentityConfig(method=context.settings.identity)),
+        settings=LabelSettings(
+            identity=IdentityConfig(method=context.settings.identity),
+            propagation=context.settings.propagation_config,
+        ),
         progress=context.progress,
     )
     changed = import_labelled_drive(

@@ -16,7 +16,8 @@ from app.db.base import Base, now
 class LabellingRow(Base):
     """One result of the pipeline; ``key`` names its inputs and settings.
 
-    ``since_revision`` is the drive's revision with which readers began to see it.
+    ``propagation`` are the settings by which labels were given, NULL where that was not kept; then the labeler's first
+    rule holds, the paper's. ``since_revision`` is the drive's revision with which readers began to see it.
     """
 
     __tablename__ = "labelling"
@@ -29,6 +30,7 @@ class LabellingRow(Base):
     class_names: Mapped[list[str]]
     summary: Mapped[dict[str, Any]]
     warnings: Mapped[list[str]]
+    propagation: Mapped[dict[str, Any] | None]
     observation_count: Mapped[int] = mapped_column(default=0)
     current: Mapped[bool] = mapped_column(default=False)
     since_revision: Mapped[int] = mapped_column(default=0)
@@ -67,7 +69,8 @@ class ObservationRow(Base):
 
     ``tracked_id`` is the track as tracked that it was made for, ``track_id`` the track that it belongs to now, NULL
     where a person deleted it or drew another in its place. ``score`` is NULL where the tracker filled the box in, and
-    where a person drew it; ``filled`` tells that the box lies between known ones.
+    where a person drew it; ``filled`` tells that the box lies between known ones. ``trust`` is how likely the box shows
+    its track's object, NULL where nobody judged.
     """
 
     __tablename__ = "observation"
@@ -93,13 +96,16 @@ class ObservationRow(Base):
     class_id: Mapped[int]
     filled: Mapped[bool]
     drawn: Mapped[bool] = mapped_column(default=False)
+    trust: Mapped[float | None]
 
 
 class LabelRow(Base):
     """The label of one observation; derived. The donor is named by its track and frame.
 
     ``score`` is NULL where neither the observation nor any other of its identity has one. What a person said (class, or
-    the box itself) has the source ``human``, the score 1, and itself as the donor.
+    the box itself) has the source ``human``, the score 1, and itself as the donor. ``withheld`` is why an observation
+    did not get its identity's label, NULL where it did; ``probability`` is how likely the label is right, NULL where
+    that is not known, or a person's word.
     """
 
     __tablename__ = "label"
@@ -118,6 +124,8 @@ class LabelRow(Base):
     source: Mapped[str]
     donor_track_id: Mapped[int]
     donor_frame_index: Mapped[int]
+    withheld: Mapped[str | None]
+    probability: Mapped[float | None]
 
 
 class Box3DRow(Base):

@@ -11,6 +11,12 @@ class LabelSource(StrEnum):
     HUMAN = "human"
 
 
+class WithheldReason(StrEnum):
+    """Why an observation keeps its own label: its box probably shows something else than the track's object."""
+
+    DOUBTFUL_BOX = "doubtful_box"
+
+
 class LabelDonor(BaseModel):
     """The observation that a propagated label was taken from."""
 
@@ -27,6 +33,13 @@ class Label(BaseModel):
     score: float | None
     source: LabelSource
     donor: LabelDonor | None
+    withheld: WithheldReason | None = Field(
+        default=None, description="Why the observation did not get its identity's label; null where it did."
+    )
+    probability: float | None = Field(
+        default=None,
+        description="How likely class and box are right (IoU of at least .5); null where unknown, or a person's word.",
+    )
 
 
 class Observation(BaseModel):
@@ -40,6 +53,7 @@ class Observation(BaseModel):
     class_name: str
     score: float | None
     filled: bool
+    trust: float | None = Field(default=None, description="How likely the box shows the object that its track is of.")
     label: Label
 
 

@@ -12,6 +12,7 @@ from app.tracks.runs import score_runs
 from app.tracks.schemas import Track
 
 MAX_FRAMES = 200
+TRUST_DIGITS = 3
 
 
 def observations_json(session: Session, drive_id: int, start: int, stop: int) -> bytes:
@@ -104,10 +105,13 @@ def _observation(
         "class_name": names[row.class_id],
         "score": row.score,
         "filled": row.filled,
+        "trust": None if row.trust is None else round(row.trust, TRUST_DIGITS),
         "label": {
             "class_name": names[row.label_class_id],
             "score": row.label_score,
             "source": row.label_source,
             "donor": donor,
+            "withheld": row.withheld,
+            "probability": row.probability,
         },
     }

@@ -126,7 +126,7 @@ class _Counted:
         merged = self._relabelled(own, part.label_class_id, part.label_score)
         if with_own:
             self._tallies[WITHOUT_TRACKING].add(own, span, pairs)
-        self._tallies[SINGLE_CAMERA].add(self._relabelled(own, *self._best_of_tracks(part.track_id)), span, pairs)
+        self._tallies[SINGLE_CAMERA].add(self._relabelled(own, *self._labels_of_tracks(part)), span, pairs)
         self._tallies[MULTI_CAMERA].add(merged, span, pairs)
         self._follow(merged, part.identity_id, span, pairs["whole"])
         self._keep_observations(part)
@@ -208,14 +208,18 @@ class _Counted:
     def _relabelled(self, labels: Labels2D, class_id: NDArray[np.int16], score: NDArray[np.float32]) -> Labels2D:
         return replace(labels, label_class=self._label_class[class_id], score=score)
 
-    def _best_of_tracks(self, track_id: NDArray[np.int32]) -> tuple[NDArray[np.int16], NDArray[np.float32]]:
-        """(N,) class id and (N,) score of the best observation of each row's track; NaN where the track is unknown."""
-        tracks, inverse = np.unique(track_id, return_inverse=True)
+    def _labels_of_tracks(self, part: LabelRows) -> tuple[NDArray[np.int16], NDArray[np.float32]]:
+        """(N,) class id and (N,) score of the best observation of each row's track, NaN where the track is unknown; of
+        the row itself where its label is withheld."""
+        tracks, inverse = np.unique(part.track_id, return_inverse=True)
         ids: list[int] = tracks.tolist()
         best = [self._source.best_of_track.get(track, (0, math.nan)) for track in ids]
-        class_id = np.array([class_id for class_id, _ in best], np.int16)
-        score = np.array([score for _, score in best], np.float32)
-        return class_id[inverse], score[inverse]
+        class_id = np.array([class_id for class_id, _ in best], np.int16)[inverse]
+        score = np.array([score for _, score in best], np.float32)[inverse]
+        return (
+            np.where(part.withheld, part.own.class_id, class_id),
+            np.where(part.withheld, part.own.score, score),
+        )
 
     def _truth_of(self, labels: Labels2D) -> slice:
         """The rows of the truth from the first to the last image of a part."""

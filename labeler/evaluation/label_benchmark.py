@@ -20,7 +20,7 @@ from labeler.evaluation.text_sequences import CAR_CLASS_ID, TextSequence, read_s
 from labeler.evaluation.tracking import MIN_IOU, TrackingRows, clear, hota, idf1
 from labeler.evaluation.truth import TruthTable
 from labeler.evaluation.types import IOUS, EvaluationConfig
-from labeler.propagation import PropagationConfig, find_donors, label_observations
+from labeler.propagation import PropagationConfig, collect_votes, label_observations
 from labeler.tracking import DetectedFrame, Observations, TrackingConfig, open_tracker
 
 FAR_M = 40.0
@@ -97,8 +97,8 @@ def label_sequence(
     """Track one camera's frames, and give each observation its track's label."""
     tracker = open_tracker(tracking, class_groups=(0,) * (CAR_CLASS_ID + 1))
     observed = [found for found in tracker.track(frames, first_track_id=1) if len(found)]
-    donors = find_donors((("camera", found) for found in observed), {}, config=propagation)
-    labels = [label_observations(found, {}, donors, config=propagation) for found in observed]
+    votes = collect_votes((("camera", found) for found in observed), {}, config=propagation)
+    labels = [label_observations(found, {}, votes, config=propagation) for found in observed]
     observed.append(Observations.empty())
     return BoxLabels(
         frame=np.concatenate([found.frame_index for found in observed]).astype(np.int64),

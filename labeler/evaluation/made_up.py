@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from labeler.lidar.types import Boxes3D
 from labeler.pipeline.types import LabelledDrive, LabelledFrame, LabelledView, MergeSummary, Summary, TrackSummary
+from labeler.propagation.config import PropagationConfig
 from labeler.propagation.types import Labels
 from labeler.tracking.types import Observations
 
@@ -102,6 +103,7 @@ def made_up_labels(size: MadeUp) -> LabelledDrive:
         merges=(),
         identity_of={track.track_id: 1 + (track.track_id - 1) % objects for track in tracks},
         donors={},
+        propagation=PropagationConfig(),
         summary=Summary(
             drive="made up",
             format="argoverse2",

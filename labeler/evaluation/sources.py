@@ -12,6 +12,7 @@ import numpy as np
 from labeler.evaluation.types import BoxRows, EvaluatedLabels, LabelRows
 from labeler.pipeline.results import find_detections
 from labeler.pipeline.types import LabelledDrive, LabelledFrame
+from labeler.propagation import Withheld
 from labeler.tracking import DetectedFrame, Observations
 
 FRAMES_PER_PART = 64
@@ -73,4 +74,6 @@ def _label_rows(frames: Sequence[LabelledFrame], cameras: tuple[str, ...]) -> La
         identity_id=np.concatenate([np.zeros(0, np.int32), *(part.identity_id for part in labels)]),
         label_class_id=np.concatenate([np.zeros(0, np.int16), *(part.class_id for part in labels)]),
         label_score=np.concatenate([np.zeros(0, np.float32), *(part.score for part in labels)]),
+        withheld=np.concatenate([np.zeros(0, np.bool_), *(part.withheld != Withheld.NO for part in labels)]),
+        probability=np.concatenate([np.zeros(0, np.float32), *(part.probability for part in labels)]),
     )

@@ -76,17 +76,20 @@ class BoxRows:
 class LabelRows:
     """Observations with their labels. ``own`` is each observation as the detector said it, ``track_id`` and
     ``identity_id`` (N,) int32 what it belongs to, ``label_class_id`` (N,) int16 and ``label_score`` (N,) float32 its
-    label (NaN where it has no score)."""
+    label (NaN where it has no score), ``withheld`` (N,) bool whether it keeps its own label, ``probability`` (N,)
+    float32 how likely that label is right (NaN where unknown)."""
 
     own: BoxRows
     track_id: NDArray[np.int32]
     identity_id: NDArray[np.int32]
     label_class_id: NDArray[np.int16]
     label_score: NDArray[np.float32]
+    withheld: NDArray[np.bool_]
+    probability: NDArray[np.float32]
 
     def __post_init__(self) -> None:
         count = len(self.own)
-        for name in ("track_id", "identity_id", "label_class_id", "label_score"):
+        for name in ("track_id", "identity_id", "label_class_id", "label_score", "withheld", "probability"):
             if getattr(self, name).shape != (count,):
                 raise ValueError(f"LabelRows.{name} must have shape ({count},), got {getattr(self, name).shape}")
 

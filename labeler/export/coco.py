@@ -6,7 +6,7 @@ is appended at the end. So memory does not grow with the drive.
 Boxes are cut at the image's edges, and those that lie outside are left out: COCO knows no coordinates outside. Classes
 that COCO has keep COCO's own ids (1 to 90, with gaps), others get ids from 91 up. Beyond the standard, an image says
 its camera, frame and time (as text: 64-bit integers don't survive every JSON reader), and an annotation its score,
-track and identity, and in ``attributes`` where its label comes from.
+track and identity, and in ``attributes`` where its label comes from and how likely it is right.
 """
 
 from __future__ import annotations
@@ -127,6 +127,10 @@ def _annotation(
     x1, y1, x2, y2 = xyxy_px
     width, height = round(x2 - x1, 2), round(y2 - y1, 2)
     attributes: dict[str, object] = {"source": box.source, "filled": box.filled}
+    if box.probability is not None:
+        attributes["probability"] = box.probability
+    if box.withheld is not None:
+        attributes["withheld"] = box.withheld
     if box.donor is not None:
         attributes |= {
             "donor_camera": box.donor.camera,

@@ -39,7 +39,8 @@ class LabelledBox:
     """One label: ``xyxy_px`` in pixels of the image, ``class_id`` and ``score`` of the label (not of the detector).
 
     ``source`` is "auto", "propagated" or "human"; ``filled`` boxes were put in by the tracker. ``score`` is None where
-    none is known.
+    none is known, as is ``probability``, how likely the label is right. ``withheld`` is why it is the detector's own
+    and not that of the box's identity, None where it is that.
     """
 
     xyxy_px: tuple[float, float, float, float]
@@ -50,6 +51,8 @@ class LabelledBox:
     source: str
     filled: bool
     donor: DonorReference | None
+    probability: float | None = None
+    withheld: str | None = None
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,7 @@ from itertools import groupby
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from labeler.detection import DetectionConfig, Detector
 from labeler.detection.classes import suppression_group_of
@@ -174,24 +175,32 @@ def rig_of(drive: Drive) -> Rig:
     poses = drive.poses
     return Rig.of(
         drive.cameras,
-        np.array([frame.timestamp_ns for frame in drive.frames], np.int64),
+        frame_times_of(drive),
         None if poses is None else np.stack([poses.at(frame.timestamp_ns) for frame in drive.frames]),
     )
 
 
-def donor_unit(tracks: Mapping[str, Path], identities: Path, config: PropagationConfig) -> DonorUnit:
+def donor_unit(drive: Drive, tracks: Mapping[str, Path], identities: Path, config: PropagationConfig) -> DonorUnit:
     """The one unit of the drive."""
-    return DonorUnit(key_of(config, _names(tracks), identities.name), tracks, identities, config)
+    times_ns = frame_times_of(drive)
+    key = key_of(config, _names(tracks), identities.name, times_ns.tolist())
+    return DonorUnit(key, tracks, identities, config, times_ns)
 
 
 def label_units(
-    tracks: Mapping[str, Path], identities: Path, donors: Path, config: PropagationConfig
+    drive: Drive, tracks: Mapping[str, Path], identities: Path, donors: Path, config: PropagationConfig
 ) -> list[LabelUnit]:
     """A unit for each camera."""
+    times_ns = frame_times_of(drive)
     return [
-        LabelUnit(key_of(path.name, identities.name, donors.name), path, identities, donors, config)
+        LabelUnit(key_of(path.name, identities.name, donors.name), path, identities, donors, config, times_ns)
         for path in tracks.values()
     ]
+
+
+def frame_times_of(drive: Drive) -> NDArray[np.int64]:
+    """(F,) the time of each frame."""
+    return np.array([frame.timestamp_ns for frame in drive.frames], np.int64)
 
 
 def _clips_of_images(

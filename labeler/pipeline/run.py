@@ -40,6 +40,7 @@ from labeler.pipeline.types import (
     TrackSummary,
 )
 from labeler.pipeline.units import DONORS, IDENTITY, LABELS, TRACK, read_donors, read_identities
+from labeler.propagation import PropagationConfig
 from labeler.segmentation import open_segmenter
 
 
@@ -80,7 +81,7 @@ def label_drive(
     with PeakMemory() as memory:
         chosen = settings or LabelSettings()
         results = _run_stages(run, drive, model, segmentation, chosen, decisions or Decisions())
-        return _summarise(run, drive, results, memory)
+        return _summarise(run, drive, results, chosen.propagation, memory)
 
 
 @dataclass(frozen=True)
@@ -145,10 +146,9 @@ def _run_stages(
 
     identity_unit = plan.identity_unit(drive, tracks, boxes_3d, classes, settings.identity, decisions)
     identities = run.stage(IDENTITY, [identity_unit])[0]
-    donors = run.stage(DONORS, [plan.donor_unit(tracks, identities, settings.propagation)])[0]
-    labels = dict(
-        zip(tracks, run.stage(LABELS, plan.label_units(tracks, identities, donors, settings.propagation)), strict=True)
-    )
+    donors = run.stage(DONORS, [plan.donor_unit(drive, tracks, identities, settings.propagation)])[0]
+    label_units = plan.label_units(drive, tracks, identities, donors, settings.propagation)
+    labels = dict(zip(tracks, run.stage(LABELS, label_units), strict=True))
     return _Results(
         classes.names,
         detected.detector_seconds,
@@ -176,7 +176,9 @@ def _segment(run: _Run, drive: Drive, model: Path | None) -> plan.Clips:
     return plan.Clips.of(units, paths)
 
 
-def _summarise(run: _Run, drive: Drive, results: _Results, memory: PeakMemory) -> LabelledDrive:
+def _summarise(
+    run: _Run, drive: Drive, results: _Results, propagation: PropagationConfig, memory: PeakMemory
+) -> LabelledDrive:
     identities = read_identities(results.identities)
     donors = read_donors(results.donors)
     propagated = sum(int(batch["propagated"].sum()) for path in results.labels.values() for batch in read_batches(path))
@@ -202,6 +204,7 @@ def _summarise(run: _Run, drive: Drive, results: _Results, memory: PeakMemory) -
         merges=identities.proposals,
         identity_of=identities.identity_of,
         donors=donors.of_identity,
+        propagation=propagation,
         summary=summary,
         open_frames=partial(read_labelled_frames, results.tracks, results.labels, results.boxes_3d),
     )

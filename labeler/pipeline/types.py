@@ -15,6 +15,7 @@ import numpy as np
 from labeler.errors import HindsightError
 from labeler.identity.types import MergeProposal
 from labeler.lidar.types import Boxes3D
+from labeler.propagation.config import PropagationConfig
 from labeler.propagation.types import Donor, Labels
 from labeler.tracking.types import Observations
 
@@ -127,8 +128,9 @@ class LabelledDrive:
     """The result of a run.
 
     ``key`` names it: the same sensor data, model and settings give the same key. ``identity_of`` maps every track id to
-    its identity, the smallest track id in it; ``donors`` maps an identity to the observation that gave its label.
-    ``open_frames`` starts a pass over all frames in order; use :meth:`frames`.
+    its identity, the smallest track id in it; ``donors`` maps an identity to its donor, of any time;
+    ``propagation`` is how labels were given. ``open_frames`` starts a pass over all frames in order; use
+    :meth:`frames`.
     """
 
     key: str
@@ -137,6 +139,7 @@ class LabelledDrive:
     merges: tuple[MergeProposal, ...]
     identity_of: Mapping[int, int]
     donors: Mapping[int, Donor]
+    propagation: PropagationConfig
     summary: Summary
     open_frames: Callable[[], Iterator[LabelledFrame]]
 

@@ -8,6 +8,7 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from numpy.typing import NDArray
 from pydantic import TypeAdapter
 
@@ -18,7 +19,7 @@ from labeler.pipeline.reading import read_observations, read_views
 from labeler.pipeline.stages import Stage
 from labeler.pipeline.tables import columns_of, concatenate, read_batches, rows_of, write_table
 from labeler.pipeline.types import TrackSummary
-from labeler.propagation import Donor, PropagationConfig, find_donors, label_observations
+from labeler.propagation import Donor, PropagationConfig, Votes, collect_votes, donor_of, label_observations
 from labeler.tracking import Observations, TrackingConfig, open_tracker
 
 _FRAMES_PER_BATCH = 64
@@ -66,61 +67,68 @@ def find_identities(unit: IdentityUnit, path: Path) -> None:
 
 @dataclass(frozen=True)
 class DonorUnit:
-    """The best observation of every identity, over the whole drive."""
+    """The best observations of every identity, over the whole drive; ``timestamp_ns`` (F,) are the frames' times."""
 
     key: str
     tracks: Mapping[str, Path]
     identities: Path
     config: PropagationConfig
+    timestamp_ns: NDArray[np.int64]
     effort: int = 0
 
 
 @dataclass(frozen=True)
 class LabelUnit:
-    """The labels of one camera's observations."""
+    """The labels of one camera's observations; ``timestamp_ns`` (F,) are the frames' times."""
 
     key: str
     tracks: Path
     identities: Path
     donors: Path
     config: PropagationConfig
+    timestamp_ns: NDArray[np.int64]
     effort: int = 0
 
 
 @dataclass(frozen=True)
 class Donors:
-    """The donor of each identity that has one, and all tracks in a few numbers."""
+    """The votes of each identity, its donor where it has one, and all tracks in a few numbers."""
 
+    votes: dict[int, Votes]
     of_identity: dict[int, Donor]
     tracks: tuple[TrackSummary, ...]
 
 
 def choose_donors(unit: DonorUnit, path: Path) -> None:
-    """Write the donor of every identity, and a summary of every track."""
+    """Write the votes and the donor of every identity, and a summary of every track."""
     identity_of = read_identities(unit.identities).identity_of
     batches = (
         (camera, rows_of(Observations, columns))
         for camera, file in unit.tracks.items()
         for columns in read_batches(file)
     )
-    donors = find_donors(batches, identity_of, config=unit.config)
+    votes = collect_votes(batches, identity_of, config=unit.config, timestamp_ns=unit.timestamp_ns)
+    donors = {identity: donor for identity, one in votes.items() if (donor := donor_of(one, unit.config)) is not None}
     tracks = [summary for camera, file in unit.tracks.items() for summary in summarise_tracks(camera, file)]
-    write_json(path, Donors(donors, tuple(tracks)))
+    write_json(path, Donors(votes, donors, tuple(tracks)))
 
 
 def label_camera(unit: LabelUnit, path: Path) -> None:
     """Write a label for every observation of one camera, row by row."""
     identity_of = read_identities(unit.identities).identity_of
-    donors = read_donors(unit.donors).of_identity
+    votes = read_donors(unit.donors).votes
     batches = (rows_of(Observations, columns) for columns in read_batches(unit.tracks))
-    labels = (label_observations(batch, identity_of, donors, config=unit.config) for batch in batches)
+    labels = (
+        label_observations(batch, identity_of, votes, config=unit.config, timestamp_ns=unit.timestamp_ns)
+        for batch in batches
+    )
     write_table(path, (columns_of(batch) for batch in labels))
 
 
 TRACK = Stage("track", 2, "arrow", track)
 IDENTITY = Stage("identity", 3, "json", find_identities)
-DONORS = Stage("donors", 1, "json", choose_donors)
-LABELS = Stage("labels", 2, "arrow", label_camera)
+DONORS = Stage("donors", 2, "json", choose_donors)
+LABELS = Stage("labels", 3, "arrow", label_camera)
 
 
 def read_identities(path: Path) -> Merges:

@@ -1,9 +1,10 @@
 """Step 5: the best observation's label for all of its identity, with lineage."""
 
-from labeler.propagation.best_observation import find_donors, label_observations
 from labeler.propagation.config import PropagationConfig
 from labeler.propagation.errors import PropagationError
-from labeler.propagation.types import Donor, Labels, LabelSource, Withheld
+from labeler.propagation.labelling import label_observations
+from labeler.propagation.types import Donor, Labels, LabelSource, Votes, Withheld
+from labeler.propagation.votes import collect_votes, donor_of
 
 __all__ = [
     "Donor",
@@ -11,7 +12,9 @@ __all__ = [
     "Labels",
     "PropagationConfig",
     "PropagationError",
+    "Votes",
     "Withheld",
-    "find_donors",
+    "collect_votes",
+    "donor_of",
     "label_observations",
 ]

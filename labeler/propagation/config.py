@@ -2,14 +2,27 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+import math
+from dataclasses import dataclass
 
 from labeler.propagation.errors import PropagationError
+
+RULES = ("highest", "top-k")
 
 
 @dataclass(frozen=True)
 class PropagationConfig:
     """Plain values, so that the step's artifact can be keyed by them. The paper's own rule is ``min_trust=0``."""
+
+    rule: str = "highest"
+    """Whose label all get: ``highest`` is the paper's, the observation with the highest score; in ``top-k`` the
+    ``top_k`` best vote by their scores, and the best of the class that wins is the donor."""
+
+    top_k: int = 5
+    """How many observations vote (top-k only)."""
+
+    window_s: float = 0.0
+    """A donor is less than this many seconds away from an observation; 0 takes donors from any time."""
 
     min_donor_score: float = 0.0
     """An observation with a score below this one gives its label to no other."""
@@ -19,7 +32,20 @@ class PropagationConfig:
     back, as in the paper."""
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            value: float = getattr(self, field.name)
+        if self.rule not in RULES:
+            raise PropagationError(f"There is no propagation rule {self.rule!r}. Choose one of: {', '.join(RULES)}.")
+        if self.top_k < 1:
+            raise PropagationError(f"Propagation setting top_k must be at least 1, got {self.top_k}.")
+        if not (math.isfinite(self.window_s) and self.window_s >= 0):
+            raise PropagationError(
+                f"Propagation setting window_s must be a number of seconds above 0, or 0 for any, got {self.window_s}."
+            )
+        for name in ("min_donor_score", "min_trust"):
+            value: float = getattr(self, name)
             if not 0 <= value <= 1:
-                raise PropagationError(f"Propagation setting {field.name} must be from 0 to 1, got {value}.")
+                raise PropagationError(f"Propagation setting {name} must be from 0 to 1, got {value}.")
+
+    @property
+    def voters(self) -> int:
+        """How many observations have a say in a label."""
+        return self.top_k if self.rule == "top-k" else 1

@@ -29,13 +29,39 @@ class Withheld(IntEnum):
 
 @dataclass(frozen=True)
 class Donor:
-    """The best observation of an identity: its class and score become the label of all of them."""
+    """The observation whose class and score become the label of others."""
 
     track_id: int
     camera: str
     frame_index: int
     class_id: int
     score: float
+
+
+@dataclass(frozen=True)
+class Votes:
+    """What is kept of an identity's observations, to label all of them.
+
+    ``best`` are those that may become donors, by slot of time (see :mod:`labeler.propagation.votes`), the best first;
+    ``observation_count`` counts all, those without a score too; ``score_sums`` adds up the scores by camera and class.
+    """
+
+    best: dict[int, tuple[Donor, ...]]
+    observation_count: int
+    score_sums: dict[str, dict[int, float]]
+
+    def class_share(self, class_id: int) -> float:
+        """How much of the scores of all observations speaks for a class, from 0 to 1."""
+        whole = sum(sum(of_camera.values()) for of_camera in self.score_sums.values())
+        ours = sum(of_camera.get(class_id, 0.0) for of_camera in self.score_sums.values())
+        return ours / whole if whole > 0 else 1.0
+
+    def cameras_for(self, class_id: int) -> int:
+        """In how many cameras no class has more of the scores than this one."""
+        return sum(
+            class_id in of_camera and of_camera[class_id] >= max(of_camera.values())
+            for of_camera in self.score_sums.values()
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +71,9 @@ class Labels:
     ``track_id``, ``frame_index`` (N,) int32 name the observation; ``identity_id`` (N,) int32 its identity (the smallest
     track id in it); ``class_id`` (N,) int16 and ``score`` (N,) float32 are the label; ``donor_track_id``,
     ``donor_frame_index`` (N,) int32 name the observation it was taken from; ``propagated`` (N,) bool is False where an
-    observation is its own donor; ``withheld`` (N,) uint8 is a :class:`Withheld`, NO where it is left out.
+    observation is its own donor; ``withheld`` (N,) uint8 is a :class:`Withheld`, NO where it is left out;
+    ``probability`` (N,) float32 is how likely the label is right (:mod:`labeler.propagation.probability`), NaN where
+    the label has no score or it is left out.
     """
 
     track_id: NDArray[np.int32]
@@ -57,10 +85,13 @@ class Labels:
     donor_frame_index: NDArray[np.int32]
     propagated: NDArray[np.bool_]
     withheld: NDArray[np.uint8] = field(default_factory=lambda: np.zeros(0, np.uint8))
+    probability: NDArray[np.float32] = field(default_factory=lambda: np.zeros(0, np.float32))
 
     def __post_init__(self) -> None:
         if len(self.withheld) != len(self.track_id):
             object.__setattr__(self, "withheld", np.full(len(self.track_id), Withheld.NO, np.uint8))
+        if len(self.probability) != len(self.track_id):
+            object.__setattr__(self, "probability", np.full(len(self.track_id), np.nan, np.float32))
 
     def __len__(self) -> int:
         return len(self.track_id)

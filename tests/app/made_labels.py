@@ -27,7 +27,7 @@ from labeler.identity.types import (
 )
 from labeler.lidar.types import Boxes3D
 from labeler.pipeline.types import LabelledDrive, LabelledFrame, LabelledView, Summary, TrackSummary
-from labeler.propagation.best_observation import find_donors, label_observations
+from labeler.propagation import PropagationConfig, collect_votes, donor_of, label_observations
 from labeler.tracking.types import NO_DETECTION, Observations
 
 CAMERAS = ("front", "left", "right")
@@ -67,7 +67,8 @@ def write_three_camera_drive(folder: Path, *, frames: int = FRAMES) -> Path:
 
 @dataclass(frozen=True)
 class MadeTrack:
-    """A track whose box stands still; ``scores`` by frame, None where the tracker filled the box in."""
+    """A track whose box stands still; ``scores`` by frame, None where the tracker filled the box in. Boxes in the
+    frames ``doubtful`` are hardly trusted."""
 
     track_id: int
     camera: str
@@ -75,6 +76,7 @@ class MadeTrack:
     scores: Mapping[int, float | None]
     x_px: float = 10.0
     box_3d: bool = field(default=False)
+    doubtful: tuple[int, ...] = ()
 
     @property
     def box(self) -> tuple[float, float, float, float]:
@@ -116,9 +118,11 @@ def make_labelled_drive(
     *,
     key: str = "first",
     identity_of: Mapping[int, int] | None = None,
+    propagation: PropagationConfig | None = None,
     on_frame: Callable[[int], None] = lambda _frame: None,
 ) -> LabelledDrive:
     """A result of the pipeline; the labels come from the labeler's own propagation. ``on_frame`` hears each frame."""
+    propagation = propagation or PropagationConfig()
     camera_of = {track.track_id: track.camera for track in tracks}
     accepted = [(a, b) for a, b, _, state in merges if state is MergeState.ACCEPTED]
     identity_of = components(camera_of, accepted) if identity_of is None else identity_of
@@ -126,7 +130,8 @@ def make_labelled_drive(
         frame: {camera: _observations(tracks, camera, frame) for camera in CAMERAS} for frame in _frames(tracks)
     }
     batches = [(camera, found) for views in by_frame.values() for camera, found in views.items()]
-    donors = find_donors(batches, identity_of)
+    times_ns = START_NS + PERIOD_NS * np.arange(1 + max(by_frame), dtype=np.int64)
+    votes = collect_votes(batches, identity_of, config=propagation, timestamp_ns=times_ns)
 
     def open_frames() -> Iterator[LabelledFrame]:
         for frame, views in by_frame.items():
@@ -135,7 +140,9 @@ def make_labelled_drive(
                 frame,
                 {
                     camera: LabelledView(
-                        found, label_observations(found, identity_of, donors), _boxes_3d(tracks, camera, found)
+                        found,
+                        label_observations(found, identity_of, votes, config=propagation, timestamp_ns=times_ns),
+                        _boxes_3d(tracks, camera, found),
                     )
                     for camera, found in views.items()
                     if len(found)
@@ -148,7 +155,8 @@ def make_labelled_drive(
         tracks=tuple(track.summary() for track in tracks),
         merges=tuple(_proposal(a, b, camera_of, score, state) for a, b, score, state in merges),
         identity_of=identity_of,
-        donors=donors,
+        donors={one: donor for one, its in votes.items() if (donor := donor_of(its, propagation)) is not None},
+        propagation=propagation,
         summary=_summary(len(tracks)),
         open_frames=open_frames,
     )
@@ -170,6 +178,7 @@ def _observations(tracks: Sequence[MadeTrack], camera: str, frame: int) -> Obser
         detection_index=np.array(
             [NO_DETECTION if score is None else row for row, score in enumerate(scores)], np.int32
         ),
+        trust=np.array([0.05 if frame in track.doubtful else 0.95 for track in seen], np.float32),
     )
 
 

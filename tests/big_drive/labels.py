@@ -19,7 +19,7 @@ from labeler.identity.linking import components
 from labeler.identity.types import MergeEvidence, MergeKind, MergeProposal, MergeState, SharedFrame
 from labeler.lidar.types import Boxes3D
 from labeler.pipeline.types import LabelledDrive, LabelledFrame, LabelledView, Summary, TrackSummary
-from labeler.propagation.best_observation import find_donors, label_observations
+from labeler.propagation import PropagationConfig, collect_votes, donor_of, label_observations
 from labeler.tracking.types import NO_DETECTION, Observations
 from tests.big_drive.traffic import CAMERAS, CLASS_NAMES, Objects, Sightings
 
@@ -71,12 +71,13 @@ def label(tracked: Tracked, identities: int, *, frames: int, random: np.random.G
         (int(sightings.frame[rows[0]]), int(sightings.camera[rows[0]]), _observations(tracked, rows), rows)
         for rows in np.split(order, _starts(sightings.frame[order] * len(CAMERAS) + sightings.camera[order]))
     ]
-    donors = find_donors([(CAMERAS[camera], found) for _, camera, found, _ in views], identity_of)
+    config = PropagationConfig()
+    votes = collect_votes([(CAMERAS[camera], found) for _, camera, found, _ in views], identity_of, config=config)
 
     def open_frames() -> Iterator[LabelledFrame]:
         by_frame: dict[int, dict[str, LabelledView]] = {}
         for frame, camera, found, rows in views:
-            labels = label_observations(found, identity_of, donors)
+            labels = label_observations(found, identity_of, votes, config=config)
             view = LabelledView(found, labels, _boxes_3d(tracked, found, rows))
             by_frame.setdefault(frame, {})[CAMERAS[camera]] = view
         for frame, found_views in by_frame.items():
@@ -88,7 +89,8 @@ def label(tracked: Tracked, identities: int, *, frames: int, random: np.random.G
         tracks=tracks,
         merges=tuple(merges),
         identity_of=identity_of,
-        donors=donors,
+        donors={one: donor for one, its in votes.items() if (donor := donor_of(its, config)) is not None},
+        propagation=config,
         summary=_summary(frames, tracks, merges, identities),
         open_frames=open_frames,
     )

@@ -1,11 +1,14 @@
 """Identities and labels after any decisions: they must be what the labeler makes of the same identities."""
 
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
+from typing import Any
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from sqlalchemy import select
@@ -22,23 +25,30 @@ from app.tracks import repository
 from app.tracks.importing import import_labelled_drive
 from app.tracks.models import LabelRow
 from labeler.identity.linking import components
+from labeler.propagation import Donor, PropagationConfig, Withheld
 from tests.app.conftest import Page
 from tests.app.made_labels import MERGES, TRACKS, make_labelled_drive
 
 PAIRS = [(a, b) for a, b, _, _ in MERGES]
+DOUBTED = tuple(replace(track, doubtful=(1,)) if track.track_id in (1, 2) else track for track in TRACKS)
+"""Two boxes of the first identity keep their own labels."""
+
 VERBS = {"accept": service.accept_merge, "reject": service.reject_merge, "undo": service.undo_merge}
+RULES = st.sampled_from(
+    [PropagationConfig(), PropagationConfig(rule="top-k", top_k=3), PropagationConfig(window_s=0.2)]
+)
 DECISIONS = st.lists(st.tuples(st.sampled_from(sorted(VERBS)), st.sampled_from(PAIRS)), max_size=8)
 
 
 @contextmanager
-def _labelled_store(drive: Path) -> Iterator[tuple[Store, int]]:
+def _labelled_store(drive: Path, propagation: PropagationConfig | None = None) -> Iterator[tuple[Store, int]]:
     """A store with the labels of tests/app/made_labels.py, and the labelling's id."""
     with tempfile.TemporaryDirectory() as folder:
         engine = open_engine(f"sqlite:///{folder}/store.db")
         migrate(engine)
         store = Store(engine)
         drive_id = add_local_drive(store, DriveRegistration(path=str(drive))).id
-        import_labelled_drive(store, drive_id, make_labelled_drive(), model_name="made")
+        import_labelled_drive(store, drive_id, make_labelled_drive(DOUBTED, propagation=propagation), model_name="made")
         with store.read() as session:
             labelling = repository.current_labelling(session, drive_id)
         assert labelling is not None
@@ -61,10 +71,12 @@ def _accepted(session: Session, labelling_id: int) -> list[tuple[int, int]]:
     return merges.accepted_pairs(session, labelling_id)
 
 
-@given(decisions=DECISIONS)
-@settings(max_examples=20, deadline=None)
-def test_any_decisions(decisions: list[tuple[str, tuple[int, int]]], three_camera_drive: Path) -> None:
-    with _labelled_store(three_camera_drive) as (store, labelling_id):
+@given(decisions=DECISIONS, propagation=RULES)
+@settings(max_examples=15, deadline=None)
+def test_any_decisions(
+    decisions: list[tuple[str, tuple[int, int]]], propagation: PropagationConfig, three_camera_drive: Path
+) -> None:
+    with _labelled_store(three_camera_drive, propagation) as (store, labelling_id):
         for verb, pair in decisions:
             _decide(store, labelling_id, verb, pair)
         with store.read() as session:
@@ -84,7 +96,7 @@ def test_any_decisions(decisions: list[tuple[str, tuple[int, int]]], three_camer
             assert identity_of[a.track_id] != identity_of[b.track_id]
 
     # labels are those that the labeler gives to these identities
-    expected = _labels_of(identity_of)
+    expected, donors = _labels_of(identity_of, propagation)
     assert {
         (row.track_id, row.frame_index): (
             row.class_id,
@@ -92,20 +104,26 @@ def test_any_decisions(decisions: list[tuple[str, tuple[int, int]]], three_camer
             row.source,
             row.donor_track_id,
             row.donor_frame_index,
+            row.withheld,
+            row.probability,
         )
         for row in labels
     } == expected
     for row in identities:
         of_identity = [label for (track, _), label in expected.items() if identity_of[track] == row.identity_id]
         assert row.observation_count == len(of_identity)
-        assert row.propagated_count == sum(source == "propagated" for _, _, source, _, _ in of_identity)
-        assert {label[:2] for label in of_identity} == {(row.class_id, row.score)}
+        assert row.propagated_count == sum(label[2] == "propagated" for label in of_identity)
+        donor = donors[row.identity_id]
+        assert (row.class_id, row.score) == (donor.class_id, pytest.approx(donor.score))
+        assert (row.donor_track_id, row.donor_frame_index) == (donor.track_id, donor.frame_index)
 
 
-def _labels_of(identity_of: dict[int, int]) -> dict[tuple[int, int], tuple[int, float, str, int, int]]:
-    """What the labeler's own propagation makes of identities."""
-    made = make_labelled_drive(identity_of=identity_of)
-    found: dict[tuple[int, int], tuple[int, float, str, int, int]] = {}
+def _labels_of(
+    identity_of: dict[int, int], propagation: PropagationConfig
+) -> tuple[dict[tuple[int, int], tuple[Any, ...]], Mapping[int, Donor]]:
+    """What the labeler's own propagation makes of identities: labels by track and frame, and donors."""
+    made = make_labelled_drive(DOUBTED, identity_of=identity_of, propagation=propagation)
+    found: dict[tuple[int, int], tuple[Any, ...]] = {}
     for frame in made.frames():
         for view in frame.views.values():
             labels = view.labels
@@ -116,8 +134,10 @@ def _labels_of(identity_of: dict[int, int]) -> dict[tuple[int, int], tuple[int, 
                     "propagated" if labels.propagated[row] else "auto",
                     int(labels.donor_track_id[row]),
                     int(labels.donor_frame_index[row]),
+                    "doubtful_box" if labels.withheld[row] == Withheld.DOUBTFUL_BOX else None,
+                    round(float(labels.probability[row]), 4),
                 )
-    return found
+    return found, made.donors
 
 
 @given(decisions=DECISIONS)

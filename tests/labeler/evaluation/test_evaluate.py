@@ -46,8 +46,8 @@ def boxes(rows: list[tuple[int, int]], class_id: list[int], score: list[float]) 
     )
 
 
-def label_parts() -> Iterator[LabelRows]:
-    """Frame by frame."""
+def label_parts(withheld: tuple[tuple[int, int, int], ...] = ()) -> Iterator[LabelRows]:
+    """Frame by frame; labels of the rows (frame, camera, track) ``withheld`` are said to be."""
     for frame in range(3):
         seen = [row for row in SEEN if row[0] == frame]
         yield LabelRows(
@@ -56,6 +56,8 @@ def label_parts() -> Iterator[LabelRows]:
             identity_id=np.array([row[3] for row in seen], np.int32),
             label_class_id=np.array([row[6] for row in seen], np.int16),
             label_score=np.array([row[7] for row in seen], np.float32),
+            withheld=np.array([row[:3] in withheld for row in seen], np.bool_),
+            probability=np.full(len(seen), np.nan, np.float32),
         )
 
 
@@ -102,6 +104,12 @@ def counts(found: Evaluation, *, cameras: str = "all", truth: str = "whole", iou
         for row in found["rows"]
         if (row["cameras"], row["truth"], row["iou"]) == (cameras, truth, iou)
     }
+
+
+def test_a_withheld_label_is_the_detectors_own_in_the_single_camera_row_too():
+    """Track 1 has the score .9 in frame 2 only; its box in frame 1 keeps its own .6."""
+    labels = source(open_labels=lambda: label_parts(withheld=((1, 0, 1),)))
+    assert counts(evaluated(labels=labels))["single-camera"] == (1, 0, 3)
 
 
 def test_the_table():

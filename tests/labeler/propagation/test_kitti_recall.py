@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from labeler.detection.types import Detections
 from labeler.geometry.boxes_2d import iou_matrix
-from labeler.propagation import find_donors, label_observations
+from labeler.propagation import collect_votes, label_observations
 from labeler.tracking import DetectedFrame, Observations, TrackingConfig, open_tracker
 
 SURE = 0.8
@@ -54,12 +54,12 @@ def test_recall_rises_by_a_tenth(kitti_tracking_text: Path) -> None:
         frames = detected_frames(detected)
         truth = true_cars(kitti_tracking_text / "label_02" / detected.name)
         observed: list[Observations] = list(tracker.track(frames, first_track_id=0))
-        donors = find_donors((("front", observations) for observations in observed), {})
+        votes = collect_votes((("front", observations) for observations in observed), {})
         for frame, observations in zip(frames, observed, strict=True):
             cars = truth.get(frame.frame_index)
             if cars is None:
                 continue
-            labels = label_observations(observations, {}, donors)
+            labels = label_observations(observations, {}, votes)
             before += found_cars(frame.detections.xyxy_px, frame.detections.score, cars)
             after += found_cars(observations.xyxy_px, labels.score, cars)
     assert before > 0

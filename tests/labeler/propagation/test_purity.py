@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from labeler.propagation import PropagationConfig, Withheld, find_donors, label_observations
+from labeler.propagation import PropagationConfig, Withheld, collect_votes, label_observations
 from labeler.tracking import NO_DETECTION, Observations
 
 ROWS = Observations(
@@ -17,7 +17,7 @@ ROWS = Observations(
 
 
 def test_doubtful_boxes_keep_their_own_label() -> None:
-    labels = label_observations(ROWS, {}, find_donors([("front", ROWS)], {}), config=PropagationConfig(min_trust=0.2))
+    labels = label_observations(ROWS, {}, collect_votes([("front", ROWS)], {}), config=PropagationConfig(min_trust=0.2))
     assert labels.withheld.tolist() == [Withheld.NO, *[Withheld.DOUBTFUL_BOX] * 3]
     np.testing.assert_array_equal(labels.score, ROWS.score)
     assert labels.class_id.tolist() == [2, 7, 2, 2]
@@ -26,7 +26,7 @@ def test_doubtful_boxes_keep_their_own_label() -> None:
 
 
 def test_the_papers_rule_keeps_none_back() -> None:
-    labels = label_observations(ROWS, {}, find_donors([("front", ROWS)], {}), config=PropagationConfig(min_trust=0.0))
+    labels = label_observations(ROWS, {}, collect_votes([("front", ROWS)], {}), config=PropagationConfig(min_trust=0.0))
     assert labels.withheld.tolist() == [Withheld.NO] * 4
     np.testing.assert_array_equal(labels.score, np.array([0.9, 0.9, 0.9, 0.5], np.float32))
     assert labels.propagated.tolist() == [False, True, True, False]

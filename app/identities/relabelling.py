@@ -1,0 +1,97 @@
+"""The labels of an identity after its tracks have changed: what the labeler's own propagation makes of them.
+
+The store's observations are given to the same two passes that the pipeline runs, with the settings of the labelling, so
+that an identity has the same labels whether a person or the machine put its tracks together.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.db.session import Session
+from app.drives import repository as drives_repository
+from app.tracks import label_repository
+from app.tracks import repository as tracks_repository
+from app.tracks.label_repository import LABEL_COLUMNS, BoxAndLabel
+from app.tracks.label_values import label_values
+from labeler.propagation import Donor, PropagationConfig, collect_votes, donor_of, label_observations
+from labeler.tracking.types import NO_DETECTION, Observations
+
+BEFORE_IT_WAS_KEPT = PropagationConfig(min_trust=0.0)
+"""How labels were given by labellings that don't say."""
+
+
+@dataclass(frozen=True)
+class Relabelled:
+    """The donor of an identity, None where no observation has a score, and how many labels changed."""
+
+    donor: Donor | None
+    changed_count: int
+
+
+class Relabelling:
+    """Labels the identities of one labelling anew."""
+
+    def __init__(self, session: Session, labelling_id: int) -> None:
+        self._session = session
+        self._labelling_id = labelling_id
+        self._labelling = tracks_repository.find_labelling(session, labelling_id)
+        kept = self._labelling.propagation
+        self._config = BEFORE_IT_WAS_KEPT if kept is None else PropagationConfig(**kept)
+
+    @cached_property
+    def _timestamp_ns(self) -> NDArray[np.int64]:
+        return np.array(drives_repository.frame_times_ns(self._session, self._labelling.drive_id), np.int64)
+
+    @cached_property
+    def _camera_names(self) -> dict[int, str]:
+        return tracks_repository.camera_names(self._session, self._labelling.drive_id)
+
+    def donor(self, track_ids: Sequence[int]) -> Donor | None:
+        """The donor that an identity of these tracks has; no label is changed."""
+        boxes = label_repository.boxes_of_tracks(self._session, self._labelling_id, track_ids)
+        return self._donor_and_values(track_ids, boxes)[0]
+
+    def relabel(self, track_ids: Sequence[int]) -> Relabelled:
+        """Give the boxes of an identity that no person drew the labels that its tracks make."""
+        boxes = label_repository.boxes_of_tracks(self._session, self._labelling_id, track_ids)
+        donor, values = self._donor_and_values(track_ids, boxes)
+        changed = [
+            (box.track_id, box.frame_index, label)
+            for box, label in zip(boxes, values, strict=True)
+            if box.label != label
+        ]
+        label_repository.change_labels(self._session, self._labelling_id, changed)
+        return Relabelled(donor, len(changed))
+
+    def _donor_and_values(
+        self, track_ids: Sequence[int], boxes: Sequence[BoxAndLabel]
+    ) -> tuple[Donor | None, list[tuple[Any, ...]]]:
+        if not boxes:
+            return None, []
+        identity = min(track_ids)
+        identity_of = dict.fromkeys(track_ids, identity)
+        how = {"config": self._config, "timestamp_ns": self._timestamp_ns}
+        observations = _observations(boxes)
+        camera_id = np.array([box.camera_id for box in boxes])
+        batches = [(self._camera_names[one], observations[camera_id == one]) for one in np.unique(camera_id).tolist()]
+        votes = collect_votes(batches, identity_of, **how)
+        values = label_values(label_observations(observations, identity_of, votes, **how))
+        rows = list(zip(*(values[name] for name in LABEL_COLUMNS), strict=True))
+        return donor_of(votes[identity], self._config), rows
+
+
+def _observations(boxes: Sequence[BoxAndLabel]) -> Observations:
+    return Observations(
+        track_id=np.array([box.track_id for box in boxes], np.int32),
+        frame_index=np.array([box.frame_index for box in boxes], np.int32),
+        xyxy_px=np.array([(box.x1_px, box.y1_px, box.x2_px, box.y2_px) for box in boxes], np.float32),
+        score=np.array([np.nan if box.score is None else box.score for box in boxes], np.float32),
+        class_id=np.array([box.class_id for box in boxes], np.int16),
+        detection_index=np.array([NO_DETECTION if box.filled else row for row, box in enumerate(boxes)], np.int32),
+        trust=np.array([1.0 if box.trust is None else box.trust for box in boxes], np.float32),
+    )

@@ -1,0 +1,228 @@
+"""Fits how likely labels are right (:mod:`labeler.propagation.probability`), and says how well it holds on others.
+
+Labels come from drives with truth, labelled as ``hindsight label`` does (what the workspace has of them is used again),
+and from text sequences with detections and truth (:mod:`labeler.evaluation.text_sequences`). Drives and sequences count
+alike, however long they are. A label is right where it hits a true object at an IoU of .5, class and all, as in
+``hindsight evaluate``. Curves are as steep as the labels ask for, held by a ridge on their bends.
+
+    python -m labeler.evaluation.calibrate_labels --model FILE --workspace FOLDER --fit DRIVE ... --check DRIVE ...
+        --text ROOT --text-fit 0000 ... --text-check 0001 ... --out probability.json
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+from scipy.special import expit
+
+from labeler.drive import is_simulated, open_drive
+from labeler.evaluation.categories import class_of_labels
+from labeler.evaluation.counting import ABSORBED, HIT, Labels2D, judge
+from labeler.evaluation.matching import overlapping_pairs
+from labeler.evaluation.reliability import Reliability, ReliabilityCounts
+from labeler.evaluation.text_sequences import CAMERA, CAR_CLASS_ID, read_sequences
+from labeler.evaluation.truth import TruthTable, image_number, prepare_truth
+from labeler.evaluation.types import EvaluationConfig, EvaluationError
+from labeler.models import ModelCache
+from labeler.models.choice import choose_segmentation
+from labeler.pipeline.run import label_drive
+from labeler.propagation import PropagationConfig, collect_votes
+from labeler.propagation.labelling import labels_and_features
+from labeler.propagation.probability import FEATURES, Model, probability_of, shipped
+from labeler.tracking import Observations, TrackingConfig, open_tracker
+
+MIN_IOU = 0.5
+_MAX_KNOTS = 6
+_RIDGE = 2.0
+_FLAGS = ("filled", "other_class")
+
+
+@dataclass(frozen=True, eq=False)
+class Sample:
+    """Labels of one drive or sequence: ``features`` (N, F), whether each is right (N,), its confidence (N,)."""
+
+    name: str
+    features: NDArray[np.float64]
+    is_right: NDArray[np.bool_]
+    confidence: NDArray[np.float32]
+
+
+def sample_of_drive(folder: Path, *, model: Path, workspace: Path) -> Sample:
+    """The labels of a drive that comes with true boxes in its images; EvaluationError where it doesn't."""
+    drive = open_drive(folder)
+    cameras = tuple(camera.name for camera in drive.cameras)
+    truth = drive.read_truth(drive.frames)
+    table = None if truth is None else prepare_truth(truth, cameras, EvaluationConfig())
+    if table is None:
+        raise EvaluationError(f"The drive {drive.name} has no true boxes in its images.")
+    segmentation = choose_segmentation(None, ModelCache(workspace / "models"), simulated=is_simulated(drive.root))
+    labelled = label_drive(
+        drive, model=model, segmentation=None if segmentation is None else segmentation.path, workspace=workspace
+    )
+    seen = [
+        (camera, view.observations)
+        for frame in labelled.frames()
+        for camera, view in frame.views.items()
+        if len(view.observations)
+    ]
+    times_ns = np.array([frame.timestamp_ns for frame in drive.frames], np.int64)
+    return _sample(drive.name, seen, labelled.identity_of, times_ns, cameras, labelled.class_names, table)
+
+
+def samples_of_text(root: Path, names: Sequence[str]) -> Iterator[Sample]:
+    """The labels of some sequences of a folder, tracked as ``hindsight benchmark labels`` does."""
+    for sequence in read_sequences(root, config=EvaluationConfig()):
+        if sequence.name not in names:
+            continue
+        tracker = open_tracker(TrackingConfig(), class_groups=(0,) * (CAR_CLASS_ID + 1))
+        seen = [(CAMERA, found) for found in tracker.track(sequence.frames, first_track_id=1) if len(found)]
+        times_ns = np.array([frame.timestamp_ns for frame in sequence.frames], np.int64)
+        yield _sample(sequence.name, seen, {}, times_ns, (CAMERA,), ("car",), sequence.truth)
+
+
+def fit(samples: Sequence[Sample]) -> Model:
+    """The curves that make what came true most probable; every sample has the same weight."""
+    values = np.concatenate([one.features for one in samples])
+    target = np.concatenate([one.is_right for one in samples]).astype(np.float64)
+    weight = np.concatenate([np.full(len(one.is_right), 1 / max(len(one.is_right), 1)) for one in samples])
+    weight *= len(target) / weight.sum()
+    knots = [_knots(values[:, column], name) for column, name in enumerate(FEATURES)]
+    matrix = np.concatenate(
+        [np.ones((len(values), 1)), *(_hats(values[:, column], at) for column, at in enumerate(knots))], axis=1
+    )
+    smooth = _bend_penalty(knots)
+
+    def loss(weights: NDArray[np.float64]) -> tuple[float, NDArray[np.float64]]:
+        z = matrix @ weights
+        held = smooth @ weights
+        value = float(weight @ (np.logaddexp(0, z) - target * z) + weights @ held / 2)
+        return value, matrix.T @ (weight * (expit(z) - target)) + held
+
+    found = minimize(loss, np.zeros(matrix.shape[1]), jac=True, method="L-BFGS-B", options={"maxiter": 500})
+    weights = np.asarray(found.x, np.float64)
+    bias, at = float(weights[0]), 1
+    curves: dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]] = {}
+    for column, (name, of_curve) in enumerate(zip(FEATURES, knots, strict=True)):
+        log_odds = weights[at : at + len(of_curve)]
+        at += len(of_curve)
+        middle = float(np.interp(np.median(values[:, column]), of_curve, log_odds))  # a middle belongs to the bias
+        curves[name] = (of_curve, log_odds - middle)
+        bias += middle
+    return Model(bias, curves)
+
+
+def reliability_of(samples: Sequence[Sample], model: Model | None) -> Reliability:
+    """How well probabilities of a model hold; without one, the paper's confidences taken for such."""
+    counts = ReliabilityCounts()
+    for one in samples:
+        said = one.confidence if model is None else probability_of(one.features, model)
+        counts.add(said, one.is_right)
+    return counts.reliability()
+
+
+def _sample(
+    name: str,
+    seen: Sequence[tuple[str, Observations]],
+    identity_of: dict[int, int] | object,
+    times_ns: NDArray[np.int64],
+    cameras: Sequence[str],
+    class_names: Sequence[str],
+    truth: TruthTable,
+) -> Sample:
+    how = {"config": PropagationConfig(), "timestamp_ns": times_ns}
+    votes = collect_votes(seen, identity_of, **how)
+    parts = [
+        (cameras.index(camera), found, *labels_and_features(found, identity_of, votes, **how)) for camera, found in seen
+    ]
+    camera = np.repeat(np.array([number for number, *_ in parts], np.int16), [len(part[1]) for part in parts])
+    frame = np.concatenate([found.frame_index for _, found, _, _ in parts])
+    label_class = class_of_labels(tuple(class_names))[np.concatenate([labels.class_id for _, _, labels, _ in parts])]
+    boxes = Labels2D(
+        image_number(frame, camera, len(cameras)),
+        camera,
+        np.concatenate([found.xyxy_px for _, found, _, _ in parts]),
+        label_class,
+        np.concatenate([labels.score for _, _, labels, _ in parts]),
+    )
+    pairs = overlapping_pairs(boxes.image, boxes.xyxy_px, truth.image, truth.whole_px)
+    judged = judge(boxes, truth, pairs, min_iou=MIN_IOU, compare_classes=True)
+    kept = boxes.counted & (judged.outcome != ABSORBED)
+    features = np.concatenate([of_part for *_, of_part in parts])
+    return Sample(name, features[kept], judged.outcome[kept] == HIT, boxes.score[kept])
+
+
+def _knots(values: NDArray[np.float64], name: str) -> NDArray[np.float64]:
+    """Where a curve may bend: at even shares of the labels, and at both ends of what was seen."""
+    if name in _FLAGS:
+        return np.array([0.0, 1.0])
+    knots = np.unique(np.round(np.quantile(values, np.linspace(0.01, 0.99, _MAX_KNOTS)), 3))
+    return knots if len(knots) > 1 else np.array([knots[0], knots[0] + 1.0])
+
+
+def _hats(values: NDArray[np.float64], knots: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(N, K) how much of a value's curve comes from each knot."""
+    return np.stack([np.interp(values, knots, row) for row in np.eye(len(knots))], axis=1)
+
+
+def _bend_penalty(knots: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
+    """The ridge: on levels a little, on the differences between neighbouring steps more."""
+    size = 1 + sum(len(one) for one in knots)
+    penalty = np.zeros((size, size))
+    at = 1
+    for one in knots:
+        here = slice(at, at + len(one))
+        penalty[here, here] += 0.1 * np.eye(len(one))
+        bends = np.diff(np.eye(len(one)), n=2, axis=0)
+        penalty[here, here] += _RIDGE * bends.T @ bends
+        at += len(one)
+    return penalty
+
+
+def _say(title: str, found: Reliability) -> None:
+    sys.stdout.write(f"{title}: {found['labels']} labels, expected calibration error {found['expected_error']}\n")
+    for one in found["bins"]:
+        if one["labels"]:
+            sys.stdout.write(
+                f"  {one['start']:.1f} to {one['stop']:.1f}: {one['labels']:6} labels, said {one['predicted']:.3f}, "
+                f"came true {one['observed']:.3f}\n"
+            )
+
+
+def main() -> None:
+    """Fit on some drives and sequences, check on others, write the model."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--model", type=Path, required=True, help="YOLOX file (.onnx) that drives are labelled with")
+    parser.add_argument("--workspace", type=Path, required=True, help="folder that keeps what is done of the drives")
+    parser.add_argument("--fit", type=Path, nargs="*", default=[], help="drives with true boxes to fit on")
+    parser.add_argument("--check", type=Path, nargs="*", default=[], help="other drives, for the reliability tables")
+    parser.add_argument("--text", type=Path, help="folder of text sequences")
+    parser.add_argument("--text-fit", nargs="*", default=[], help="sequences of it to fit on")
+    parser.add_argument("--text-check", nargs="*", default=[], help="other sequences, for the reliability tables")
+    parser.add_argument("--out", type=Path, help="the model to write; without it, the one that ships is checked")
+    options = parser.parse_args()
+
+    def samples(drives: Sequence[Path], sequences: Sequence[str]) -> list[Sample]:
+        found = [sample_of_drive(one, model=options.model, workspace=options.workspace) for one in drives]
+        return [*found, *(samples_of_text(options.text, sequences) if options.text else ())]
+
+    model = shipped()
+    if options.out is not None:
+        fitted_on = samples(options.fit, options.text_fit)
+        model = fit(fitted_on)
+        options.out.write_text(json.dumps(model.to_json(), indent=1) + "\n", encoding="utf-8")
+        _say("fitted on", reliability_of(fitted_on, model))
+    for one in samples(options.check, options.text_check):
+        _say(one.name, reliability_of([one], model))
+        _say(f"{one.name}, the paper's confidence", reliability_of([one], None))
+
+
+if __name__ == "__main__":
+    main()
