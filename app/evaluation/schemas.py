@@ -86,6 +86,32 @@ class MergeScores(BaseModel):
     missed: int
 
 
+class ReliabilityStep(BaseModel):
+    """Labels that say of themselves what lies between start and stop: how many, their mean, and how many are right."""
+
+    start: float
+    stop: float
+    labels: int
+    predicted: float | None
+    observed: float | None
+
+
+class Reliability(BaseModel):
+    """How well labels know whether they are right; the expected calibration error is null without labels."""
+
+    labels: int
+    expected_error: float | None
+    bins: list[ReliabilityStep]
+
+
+class Calibration(BaseModel):
+    """Reliability of the labels' probability, and of the paper's confidence taken for one."""
+
+    iou: float
+    probability: Reliability
+    confidence: Reliability
+
+
 class Evaluation(BaseModel):
     """How the labels of a drive compare with its truth."""
 
@@ -105,3 +131,4 @@ class Evaluation(BaseModel):
     curves: list[PrecisionRecallCurve]
     tracking: TrackingScores
     merges: MergeScores
+    calibration: Calibration

@@ -75,12 +75,14 @@ class Relabelling:
             return None, []
         identity = min(track_ids)
         identity_of = dict.fromkeys(track_ids, identity)
-        how = {"config": self._config, "timestamp_ns": self._timestamp_ns}
         observations = _observations(boxes)
         camera_id = np.array([box.camera_id for box in boxes])
         batches = [(self._camera_names[one], observations[camera_id == one]) for one in np.unique(camera_id).tolist()]
-        votes = collect_votes(batches, identity_of, **how)
-        values = label_values(label_observations(observations, identity_of, votes, **how))
+        votes = collect_votes(batches, identity_of, config=self._config, timestamp_ns=self._timestamp_ns)
+        labels = label_observations(
+            observations, identity_of, votes, config=self._config, timestamp_ns=self._timestamp_ns
+        )
+        values = label_values(labels)
         rows = list(zip(*(values[name] for name in LABEL_COLUMNS), strict=True))
         return donor_of(votes[identity], self._config), rows
 

@@ -186,7 +186,7 @@ def boxes_of_tracks(session: Session, labelling_id: int, track_ids: Sequence[int
     ids = sorted(track_ids)
     of_box = len(BoxAndLabel._fields) - 1
     return [
-        BoxAndLabel(*row[:of_box], tuple(row[of_box:]))
+        BoxAndLabel._make((*row[:of_box], tuple(row[of_box:])))
         for start in range(0, len(ids), IDS_PER_QUERY)
         for row in session.execute(query.where(ObservationRow.track_id.in_(ids[start : start + IDS_PER_QUERY])))
     ]

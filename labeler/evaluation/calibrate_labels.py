@@ -3,7 +3,9 @@
 Labels come from drives with truth, labelled as ``hindsight label`` does (what the workspace has of them is used again),
 and from text sequences with detections and truth (:mod:`labeler.evaluation.text_sequences`). Drives and sequences count
 alike, however long they are. A label is right where it hits a true object at an IoU of .5, class and all, as in
-``hindsight evaluate``. Curves are as steep as the labels ask for, held by a ridge on their bends.
+``hindsight evaluate``. Curves are fitted under the direction that sense demands (a box that is trusted more never makes
+its label less likely), so that they hold beyond what was seen, and a ridge keeps them straight where nothing speaks for
+a bend.
 
     python -m labeler.evaluation.calibrate_labels --model FILE --workspace FOLDER --fit DRIVE ... --check DRIVE ...
         --text ROOT --text-fit 0000 ... --text-check 0001 ... --out probability.json
@@ -14,7 +16,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -34,15 +36,27 @@ from labeler.evaluation.types import EvaluationConfig, EvaluationError
 from labeler.models import ModelCache
 from labeler.models.choice import choose_segmentation
 from labeler.pipeline.run import label_drive
-from labeler.propagation import PropagationConfig, collect_votes
-from labeler.propagation.labelling import labels_and_features
+from labeler.propagation import collect_votes, label_observations
+from labeler.propagation.labelling import label_features
 from labeler.propagation.probability import FEATURES, Model, probability_of, shipped
 from labeler.tracking import Observations, TrackingConfig, open_tracker
 
 MIN_IOU = 0.5
 _MAX_KNOTS = 6
 _RIDGE = 2.0
+_LEVEL_RIDGE = 0.1
 _FLAGS = ("filled", "other_class")
+_FALLS, _RISES = (None, 0.0), (0.0, None)
+_DIRECTION = {
+    "donor_score": _RISES,
+    "own_score": _RISES,
+    "other_class": _FALLS,
+    "trust": _RISES,
+    "donor_s": _FALLS,
+    "class_share": _RISES,
+    "cameras": _RISES,
+}
+"""Where a feature may only speak more, or only less, for a label as it grows."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,10 +109,13 @@ def fit(samples: Sequence[Sample]) -> Model:
     weight = np.concatenate([np.full(len(one.is_right), 1 / max(len(one.is_right), 1)) for one in samples])
     weight *= len(target) / weight.sum()
     knots = [_knots(values[:, column], name) for column, name in enumerate(FEATURES)]
-    matrix = np.concatenate(
-        [np.ones((len(values), 1)), *(_hats(values[:, column], at) for column, at in enumerate(knots))], axis=1
-    )
+    # A curve is its level at the first knot and steps from knot to knot: a direction is a bound on the steps.
+    steps = [_hats(values[:, column], at) @ np.tri(len(at)) for column, at in enumerate(knots)]
+    matrix = np.concatenate([np.ones((len(values), 1)), *steps], axis=1)
     smooth = _bend_penalty(knots)
+    bounds: list[tuple[float | None, float | None]] = [(None, None)]
+    for name, at in zip(FEATURES, knots, strict=True):
+        bounds += [(None, None), *[_DIRECTION.get(name, (None, None))] * (len(at) - 1)]
 
     def loss(weights: NDArray[np.float64]) -> tuple[float, NDArray[np.float64]]:
         z = matrix @ weights
@@ -106,12 +123,13 @@ def fit(samples: Sequence[Sample]) -> Model:
         value = float(weight @ (np.logaddexp(0, z) - target * z) + weights @ held / 2)
         return value, matrix.T @ (weight * (expit(z) - target)) + held
 
-    found = minimize(loss, np.zeros(matrix.shape[1]), jac=True, method="L-BFGS-B", options={"maxiter": 500})
+    start = np.zeros(matrix.shape[1])
+    found = minimize(loss, start, jac=True, method="L-BFGS-B", bounds=bounds, options={"maxiter": 500})
     weights = np.asarray(found.x, np.float64)
     bias, at = float(weights[0]), 1
     curves: dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]] = {}
     for column, (name, of_curve) in enumerate(zip(FEATURES, knots, strict=True)):
-        log_odds = weights[at : at + len(of_curve)]
+        log_odds = np.cumsum(weights[at : at + len(of_curve)])
         at += len(of_curve)
         middle = float(np.interp(np.median(values[:, column]), of_curve, log_odds))  # a middle belongs to the bias
         curves[name] = (of_curve, log_odds - middle)
@@ -131,39 +149,41 @@ def reliability_of(samples: Sequence[Sample], model: Model | None) -> Reliabilit
 def _sample(
     name: str,
     seen: Sequence[tuple[str, Observations]],
-    identity_of: dict[int, int] | object,
+    identity_of: Mapping[int, int],
     times_ns: NDArray[np.int64],
     cameras: Sequence[str],
     class_names: Sequence[str],
     truth: TruthTable,
 ) -> Sample:
-    how = {"config": PropagationConfig(), "timestamp_ns": times_ns}
-    votes = collect_votes(seen, identity_of, **how)
-    parts = [
-        (cameras.index(camera), found, *labels_and_features(found, identity_of, votes, **how)) for camera, found in seen
-    ]
-    camera = np.repeat(np.array([number for number, *_ in parts], np.int16), [len(part[1]) for part in parts])
-    frame = np.concatenate([found.frame_index for _, found, _, _ in parts])
-    label_class = class_of_labels(tuple(class_names))[np.concatenate([labels.class_id for _, _, labels, _ in parts])]
+    votes = collect_votes(seen, identity_of, timestamp_ns=times_ns)
+    found = [one for _, one in seen]
+    labels = [label_observations(one, identity_of, votes, timestamp_ns=times_ns) for one in found]
+    features = [label_features(one, its, votes, times_ns) for one, its in zip(found, labels, strict=True)]
+    camera = np.repeat(np.array([cameras.index(one) for one, _ in seen], np.int16), [len(one) for one in found])
+    class_id = np.concatenate([np.zeros(0, np.int16), *(one.class_id for one in labels)])
     boxes = Labels2D(
-        image_number(frame, camera, len(cameras)),
+        image_number(
+            np.concatenate([np.zeros(0, np.int32), *(one.frame_index for one in found)]), camera, len(cameras)
+        ),
         camera,
-        np.concatenate([found.xyxy_px for _, found, _, _ in parts]),
-        label_class,
-        np.concatenate([labels.score for _, _, labels, _ in parts]),
+        np.concatenate([np.zeros((0, 4), np.float32), *(one.xyxy_px for one in found)]),
+        class_of_labels(tuple(class_names))[class_id],
+        np.concatenate([np.zeros(0, np.float32), *(one.score for one in labels)]),
     )
     pairs = overlapping_pairs(boxes.image, boxes.xyxy_px, truth.image, truth.whole_px)
     judged = judge(boxes, truth, pairs, min_iou=MIN_IOU, compare_classes=True)
     kept = boxes.counted & (judged.outcome != ABSORBED)
-    features = np.concatenate([of_part for *_, of_part in parts])
-    return Sample(name, features[kept], judged.outcome[kept] == HIT, boxes.score[kept])
+    of_all = np.concatenate([np.zeros((0, len(FEATURES))), *features])
+    return Sample(name, of_all[kept], judged.outcome[kept] == HIT, boxes.score[kept])
 
 
 def _knots(values: NDArray[np.float64], name: str) -> NDArray[np.float64]:
-    """Where a curve may bend: at even shares of the labels, and at both ends of what was seen."""
+    """Where a curve may bend: at even shares of the labels; where most are equal, in even steps."""
     if name in _FLAGS:
         return np.array([0.0, 1.0])
     knots = np.unique(np.round(np.quantile(values, np.linspace(0.01, 0.99, _MAX_KNOTS)), 3))
+    if len(knots) < _MAX_KNOTS // 2:
+        knots = np.unique(np.round(np.linspace(values.min(), values.max(), _MAX_KNOTS // 2), 3))
     return knots if len(knots) > 1 else np.array([knots[0], knots[0] + 1.0])
 
 
@@ -173,15 +193,15 @@ def _hats(values: NDArray[np.float64], knots: NDArray[np.float64]) -> NDArray[np
 
 
 def _bend_penalty(knots: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
-    """The ridge: on levels a little, on the differences between neighbouring steps more."""
+    """The ridge, on levels and steps: a little on the curve's values, more on the differences between its steps."""
     size = 1 + sum(len(one) for one in knots)
     penalty = np.zeros((size, size))
     at = 1
     for one in knots:
         here = slice(at, at + len(one))
-        penalty[here, here] += 0.1 * np.eye(len(one))
-        bends = np.diff(np.eye(len(one)), n=2, axis=0)
-        penalty[here, here] += _RIDGE * bends.T @ bends
+        curve = np.tri(len(one))
+        bends = np.diff(curve, n=2, axis=0)
+        penalty[here, here] = _LEVEL_RIDGE * curve.T @ curve + _RIDGE * bends.T @ bends
         at += len(one)
     return penalty
 

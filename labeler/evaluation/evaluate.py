@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 
 from labeler.drive.types import Truth
 from labeler.evaluation.categories import NOT_COUNTED, class_of_labels
-from labeler.evaluation.counting import ABSORBED, Criterion, Labels2D, Tally, judge
+from labeler.evaluation.counting import ABSORBED, HIT, Criterion, Labels2D, Tally, judge
 from labeler.evaluation.curves import average_precision, precision_recall_at
 from labeler.evaluation.matching import Pairs, overlapping_pairs
 from labeler.evaluation.merges import score_merges
+from labeler.evaluation.reliability import ReliabilityCounts
 from labeler.evaluation.tracking import MIN_IOU, TrackingRows, clear, hota, idf1
 from labeler.evaluation.truth import TruthTable, front_cameras, image_number, prepare_truth
 from labeler.evaluation.types import (
@@ -28,6 +29,7 @@ from labeler.evaluation.types import (
     TRUTHS,
     BinRow,
     BoxRows,
+    Calibration,
     Curve,
     EvaluatedLabels,
     Evaluation,
@@ -42,6 +44,7 @@ from labeler.tracking.types import NO_DETECTION, Observations
 
 DISTANCES_M = (0.0, 10.0, 20.0, 40.0, 60.0, 80.0)
 VISIBLE_SHARES = (0.0, 0.25, 0.5, 0.75, 1.0)
+CALIBRATION_IOU = 0.5
 _THRESHOLDS = np.linspace(1.0, 0.0, 101)
 
 WITHOUT_TRACKING, SINGLE_CAMERA, MULTI_CAMERA = METHODS
@@ -84,6 +87,7 @@ def evaluate_labels(
         curves=[counted.curve(method, iou) for method in METHODS for iou in IOUS],
         tracking=_score_tracking(counted.tracking_rows()),
         merges=MergeCounts(right=merged.found, wrong=merged.wrong_merges, missed=merged.missed),
+        calibration=counted.calibration(),
     )
 
 
@@ -110,6 +114,8 @@ class _Counted:
         self._tallies = {method: Tally(table, criteria, compare_classes=self._compare_classes) for method in METHODS}
         self._tracking = _TrackingParts()
         self._tracked_labels = 0
+        self._by_probability = ReliabilityCounts()
+        self._by_confidence = ReliabilityCounts()
         self.observations: dict[str, list[Observations]] = {camera: [] for camera in source.cameras}
         self.identity_of: dict[int, int] = {}
 
@@ -129,7 +135,16 @@ class _Counted:
         self._tallies[SINGLE_CAMERA].add(self._relabelled(own, *self._labels_of_tracks(part)), span, pairs)
         self._tallies[MULTI_CAMERA].add(merged, span, pairs)
         self._follow(merged, part.identity_id, span, pairs["whole"])
+        self._weigh(merged, part.probability, span, pairs["whole"])
         self._keep_observations(part)
+
+    def calibration(self) -> Calibration:
+        """How well probability and confidence tell which labels are right."""
+        return Calibration(
+            iou=CALIBRATION_IOU,
+            probability=self._by_probability.reliability(),
+            confidence=self._by_confidence.reliability(),
+        )
 
     def rows(self) -> list[Row]:
         front = front_cameras(self._source.cameras)
@@ -250,6 +265,14 @@ class _Counted:
         self._tracking.identity.append(identity_id[kept])
         self._tracking.pairs.append(replace(pairs, a=place[pairs.a], b=pairs.b + span.start))
         self._tracked_labels += int(np.count_nonzero(kept))
+
+    def _weigh(self, labels: Labels2D, probability: NDArray[np.float32], span: slice, pairs: Pairs) -> None:
+        """Set what labels said of themselves against what they are."""
+        judged = judge(labels, self._table[span], pairs, min_iou=CALIBRATION_IOU, compare_classes=self._compare_classes)
+        kept = labels.counted & (judged.outcome != ABSORBED)
+        is_right = judged.outcome[kept] == HIT
+        self._by_probability.add(probability[kept], is_right)
+        self._by_confidence.add(labels.score[kept], is_right)
 
     def _keep_observations(self, part: LabelRows) -> None:
         own = part.own

@@ -9,7 +9,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from html import escape
 
-from labeler.evaluation.types import METHODS, BinRow, Curve, Evaluation
+from labeler.evaluation.reliability import Reliability
+from labeler.evaluation.types import METHODS, BinRow, Calibration, Curve, Evaluation
 
 WIDTH_PX, HEIGHT_PX = 560, 340
 _LEFT, _RIGHT, _TOP, _BOTTOM = 52, 16, 40, 52
@@ -50,6 +51,9 @@ def plots_of(evaluation: Evaluation) -> dict[str, str]:
     for iou in sorted({curve["iou"] for curve in evaluation["curves"]}):
         curves = [curve for curve in evaluation["curves"] if curve["iou"] == iou]
         plots[f"precision-recall-iou-{iou:g}"] = precision_recall_plot(curves, confidence=evaluation["confidence"])
+    calibration = evaluation["calibration"]
+    if calibration["probability"]["labels"]:
+        plots[f"reliability-iou-{calibration['iou']:g}"] = reliability_plot(calibration)
     bins = (("distance", evaluation["by_distance"]), ("visible-share", evaluation["by_visible_share"]))
     for name, rows in bins:
         for iou in sorted({row["iou"] for row in rows}):
@@ -108,6 +112,38 @@ def recall_plot(rows: Sequence[BinRow], *, unit: str) -> str:
             f'height="{height:g}"><title>{escape(title)}</title></rect>'
         )
     return _svg(f"Recall at IoU {rows[0]['iou']:g}", "recall", parts)
+
+
+def reliability_plot(calibration: Calibration) -> str:
+    """What labels said of themselves against the share of them that is right; on the diagonal both agree. Below each
+    step of probability stands how many labels it has."""
+    area = _Area()
+    names = (("confidence", "paper's confidence"), ("probability", "probability"))
+    diagonal = f'x1="{area.x(0):g}" y1="{area.y(0):g}" x2="{area.x(1):g}" y2="{area.y(1):g}"'
+    parts = [*_frame(area), f'<line class="grid" {diagonal}/>']
+    parts += [_text(area.x(share), area.y(0) + 18, f"{share:g}", anchor="middle", faint=True) for share in _SHARES]
+    parts.append(_text(area.x(0.5), HEIGHT_PX - 4, "said", anchor="middle"))
+    for place, (key, name) in enumerate(names):
+        found: Reliability = calibration["probability"] if key == "probability" else calibration["confidence"]
+        number = place + 1
+        x = WIDTH_PX - _RIGHT - 240.0 + 140 * place
+        parts.append(f'<rect class="f{number}" x="{x:g}" y="8" width="10" height="10"/>{_text(x + 14, 17, name)}')
+        points = [
+            (area.x(one["predicted"]), area.y(one["observed"]), one)
+            for one in found["bins"]
+            if one["predicted"] is not None and one["observed"] is not None
+        ]
+        line = " ".join(f"{x:g},{y:g}" for x, y, _ in points)
+        parts.append(f'<polyline class="line s{number}" points="{line}"/>')
+        for x, y, one in points:
+            title = f"{name} {one['predicted']:.2f}: {one['observed']:.2f} of {one['labels']:,} labels are right"
+            parts.append(
+                f'<circle class="f{number}" cx="{x:g}" cy="{y:g}" r="4"><title>{escape(title)}</title></circle>'
+            )
+    for one in calibration["probability"]["bins"]:
+        middle = area.x((one["start"] + one["stop"]) / 2)
+        parts.append(_text(middle, area.y(0) + 34, f"{one['labels']:,}", anchor="middle", faint=True))
+    return _svg(f"How well labels know whether they are right, IoU {calibration['iou']:g}", "right", parts)
 
 
 def _svg(title: str, vertical: str, parts: Iterable[str]) -> str:

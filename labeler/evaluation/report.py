@@ -33,6 +33,7 @@ _CAPTIONS = {
     "precision-recall": "Precision and recall as the threshold moves",
     "recall-by-distance": "Recall by distance",
     "recall-by-visible-share": "Recall by visible share",
+    "reliability": "What labels say of themselves, and what is so",
 }
 
 
@@ -71,6 +72,8 @@ def report_html(evaluation: Evaluation) -> str:
 <div class="card">{_table(evaluation["rows"])}</div>
 <h2>Identities over all cameras</h2>
 <div class="card">{_numbers(evaluation)}</div>
+<h2>How likely labels are right</h2>
+<div class="card">{_calibration(evaluation)}</div>
 <h2>Plots</h2>
 <p class="faint">Whole boxes, all cameras. The dots are at the confidence of the table. Below each bin stands how many
 true objects it has.</p>
@@ -83,6 +86,8 @@ most, if by at least the IoU. A label with an object is a true positive (TP), on
 object without a label is a false negative (FN). Truth that is too far, hardly visible or marked as not to care about is
 neither hit nor miss, and labels that fall on it are not counted.</p>
 <p>{_methods(evaluation)}</p>
+<p>The expected error is the mean distance between what labels say of themselves and the share of them that is right, in
+ten steps, each weighted by its labels (expected calibration error; multi-camera labels of any confidence).</p>
 </main>
 </body>
 </html>
@@ -143,6 +148,16 @@ def _numbers(evaluation: Evaluation) -> str:
         "Merges right": f"{merges['right']:,}",
         "Merges missed": f"{merges['missed']:,}",
         "Merges wrong": f"{merges['wrong']:,}",
+    }
+    return f"<dl>{''.join(f'<div><dt>{name}</dt><dd>{number}</dd></div>' for name, number in numbers.items())}</dl>"
+
+
+def _calibration(evaluation: Evaluation) -> str:
+    calibration = evaluation["calibration"]
+    numbers = {
+        "Expected error of the probability": _share(calibration["probability"]["expected_error"]),
+        "Of the paper's confidence": _share(calibration["confidence"]["expected_error"]),
+        "Labels with a probability": f"{calibration['probability']['labels']:,}",
     }
     return f"<dl>{''.join(f'<div><dt>{name}</dt><dd>{number}</dd></div>' for name, number in numbers.items())}</dl>"
 

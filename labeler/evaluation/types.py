@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labeler.errors import HindsightError
+from labeler.evaluation.reliability import Reliability
 
 METHODS = ("without-tracking", "single-camera", "multi-camera")
 TRUTHS = ("whole", "visible")
@@ -167,6 +168,15 @@ class MergeCounts(TypedDict):
     missed: int
 
 
+class Calibration(TypedDict):
+    """How well it is known which labels are right: multi-camera labels, whole boxes at ``iou``, all cameras; by their
+    probability, and by the paper's confidence as if it were one."""
+
+    iou: float
+    probability: Reliability
+    confidence: Reliability
+
+
 class Evaluation(TypedDict):
     """What ``hindsight evaluate --json`` prints."""
 
@@ -184,3 +194,4 @@ class Evaluation(TypedDict):
     curves: list[Curve]
     tracking: Tracking
     merges: MergeCounts
+    calibration: Calibration

@@ -37,24 +37,32 @@ def label_observations(
     class and score (NaN where it has none), and names itself as the donor. Without ``timestamp_ns`` the labels have no
     probability.
     """
-    labels, features = labels_and_features(observations, identity_of, votes, config=config, timestamp_ns=timestamp_ns)
-    if features is None:
+    labels = _labels_of(observations, identity_of, votes, config or PropagationConfig(), timestamp_ns)
+    if timestamp_ns is None:
         return labels
-    probability = np.where(np.isnan(labels.score), np.nan, probability_of(features))
-    return replace(labels, probability=probability.astype(np.float32))
+    probability = probability_of(label_features(observations, labels, votes, timestamp_ns))
+    known = np.where(np.isnan(labels.score), np.nan, probability)
+    return replace(labels, probability=known.astype(np.float32))
 
 
-def labels_and_features(
+def label_features(
+    observations: Observations, labels: Labels, votes: Mapping[int, Votes], timestamp_ns: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    """(N, F) what the probability of labels is made from, see :mod:`labeler.propagation.probability`."""
+    off_ns = np.abs(timestamp_ns[labels.donor_frame_index] - timestamp_ns[labels.frame_index])
+    known = _known_of(labels.identity_id, labels.class_id, votes)
+    plain = with_plain_scores(observations)
+    return features_of(LabelFacts(plain, labels.class_id, labels.score, off_ns / _NS_PER_S, *known))
+
+
+def _labels_of(
     observations: Observations,
     identity_of: Mapping[int, int],
     votes: Mapping[int, Votes],
-    *,
-    config: PropagationConfig | None = None,
-    timestamp_ns: NDArray[np.int64] | None = None,
-) -> tuple[Labels, NDArray[np.float64] | None]:
-    """Labels as in :func:`label_observations`, without probability, and the features (N, F) that it is made from; None
-    without ``timestamp_ns``."""
-    config = config or PropagationConfig()
+    config: PropagationConfig,
+    timestamp_ns: NDArray[np.int64] | None,
+) -> Labels:
+    """Labels without their probability."""
     observations = with_plain_scores(observations)
     identity = identities_of(observations.track_id, identity_of)
     withheld = withhold(observations, config)
@@ -67,25 +75,17 @@ def labels_and_features(
     donor_track_id = filled(observations.track_id, given.track_id)
     donor_frame_index = filled(observations.frame_index, given.frame_index)
     own = (donor_track_id == observations.track_id) & (donor_frame_index == observations.frame_index)
-    class_id = filled(observations.class_id, given.class_id)
-    score = filled(observations.score, given.score)
-    features = None
-    if timestamp_ns is not None:
-        off_ns = np.abs(timestamp_ns[donor_frame_index] - timestamp_ns[observations.frame_index])
-        known = _known_of(identity, class_id, votes)
-        features = features_of(LabelFacts(observations, class_id, score, off_ns / _NS_PER_S, *known))
-    labels = Labels(
+    return Labels(
         track_id=observations.track_id,
         frame_index=observations.frame_index,
         identity_id=identity,
-        class_id=class_id,
-        score=score,
+        class_id=filled(observations.class_id, given.class_id),
+        score=filled(observations.score, given.score),
         donor_track_id=donor_track_id,
         donor_frame_index=donor_frame_index,
         propagated=~own,
         withheld=withheld,
     )
-    return labels, features
 
 
 @dataclass(frozen=True, eq=False)

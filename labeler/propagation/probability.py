@@ -120,4 +120,4 @@ def probability_of(features: _Array, model: Model | None = None) -> _Array:
 @cache
 def shipped() -> Model:
     """The model that lies beside this module."""
-    return Model.from_json(json.loads((resources.files(__package__) / FILE_NAME).read_text(encoding="utf-8")))
+    return Model.from_json(json.loads((resources.files("labeler.propagation") / FILE_NAME).read_text(encoding="utf-8")))

@@ -1393,6 +1393,13 @@ export interface components {
             score: number | null;
             source: components["schemas"]["LabelSource"];
             donor: components["schemas"]["LabelDonor"] | null;
+            /** @description Why the observation did not get its identity's label; null where it did. */
+            withheld?: components["schemas"]["WithheldReason"] | null;
+            /**
+             * Probability
+             * @description How likely class and box are right (IoU of at least .5); null where unknown, or a person's word.
+             */
+            probability?: number | null;
         };
         /**
          * LabelDonor
@@ -1812,6 +1819,11 @@ export interface components {
             score: number | null;
             /** Filled */
             filled: boolean;
+            /**
+             * Trust
+             * @description How likely the box shows the object that its track is of.
+             */
+            trust?: number | null;
             label: components["schemas"]["Label"];
         };
         /**
@@ -2065,6 +2077,12 @@ export interface components {
              */
             width_m: number[];
         };
+        /**
+         * WithheldReason
+         * @description Why an observation keeps its own label: its box probably shows something else than the track's object.
+         * @enum {string}
+         */
+        WithheldReason: "doubtful_box";
     };
     responses: never;
     parameters: never;

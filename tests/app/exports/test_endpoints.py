@@ -48,6 +48,7 @@ def test_an_export_from_request_to_file(page: Page, worker: Worker, settings: Se
         "timestamp_ns": "1700000000000000000",
     }
     (given,) = (a for a in dataset["annotations"] if a["track_id"] == 2 and a["image_id"] == 3 * 3 + 2)
+    assert 0 < given["attributes"].pop("probability") < 1
     assert given == {
         "id": given["id"],
         "image_id": 11,

@@ -30,7 +30,9 @@ def test_an_observation_in_full(page: Page) -> None:
     filled, truck, _ = frame["observations"]
     donor_id = page.get("observations", start=2, stop=3)["frames"][0]["observations"][0]["id"]
     donor = {"observation_id": donor_id, "camera": "front", "frame_index": 2, "score": 0.9}
-    label = {"class_name": "car", "score": 0.9, "source": "propagated", "donor": donor}
+    label = {"class_name": "car", "score": 0.9, "source": "propagated", "donor": donor, "withheld": None}
+    for one in (filled, truck):
+        assert 0 < one["label"].pop("probability") < 1
     assert {key: value for key, value in filled.items() if key != "id"} == {
         "track_id": 1,
         "identity_id": 1,
@@ -39,6 +41,7 @@ def test_an_observation_in_full(page: Page) -> None:
         "class_name": "car",
         "score": None,
         "filled": True,
+        "trust": 0.95,
         "label": label,
     }
     assert (truck["class_name"], truck["score"], truck["filled"], truck["label"]) == ("truck", 0.6, False, label)
@@ -46,7 +49,14 @@ def test_an_observation_in_full(page: Page) -> None:
 
 def test_a_donor_names_no_other(page: Page) -> None:
     donor = page.get("observations", start=2, stop=3)["frames"][0]["observations"][0]
-    assert donor["label"] == {"class_name": "car", "score": 0.9, "source": "auto", "donor": None}
+    assert donor["label"].pop("probability") > 0
+    assert donor["label"] == {
+        "class_name": "car",
+        "score": 0.9,
+        "source": "auto",
+        "donor": None,
+        "withheld": None,
+    }
 
 
 def test_the_hand_written_json_is_a_page_of_observations(page: Page) -> None:

@@ -106,6 +106,15 @@ def counts(found: Evaluation, *, cameras: str = "all", truth: str = "whole", iou
     }
 
 
+def test_what_labels_say_of_themselves_is_set_against_the_truth():
+    """All four labels say .9 and hit; their probability is not known. Without the last car, .25 of them does not."""
+    found = evaluated()["calibration"]
+    assert (found["iou"], found["probability"]["labels"], found["confidence"]["labels"]) == (0.5, 0, 4)
+    assert found["confidence"]["expected_error"] == pytest.approx(0.1)
+    parked = evaluated(xyxy_px=np.array([BOX, BOX, BOX, (300, 10, 340, 30)], np.float32))["calibration"]
+    assert parked["confidence"]["expected_error"] == pytest.approx(0.9 - 0.75)
+
+
 def test_a_withheld_label_is_the_detectors_own_in_the_single_camera_row_too():
     """Track 1 has the score .9 in frame 2 only; its box in frame 1 keeps its own .6."""
     labels = source(open_labels=lambda: label_parts(withheld=((1, 0, 1),)))

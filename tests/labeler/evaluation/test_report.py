@@ -3,11 +3,13 @@ import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
-from labeler.evaluation.plots import plots_of, precision_recall_plot, recall_plot
+from labeler.evaluation.plots import plots_of, precision_recall_plot, recall_plot, reliability_plot
+from labeler.evaluation.reliability import ReliabilityCounts
 from labeler.evaluation.report import report_html, write_report
-from labeler.evaluation.types import IOUS, METHODS, BinRow, Curve, Evaluation, EvaluationError, Row
+from labeler.evaluation.types import IOUS, METHODS, BinRow, Calibration, Curve, Evaluation, EvaluationError, Row
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -40,6 +42,14 @@ def curve(method: str, iou: float = 0.5) -> Curve:
     )
 
 
+def calibration(probability: list[float], is_right: list[bool]) -> Calibration:
+    """Labels of that probability; the confidence says .5 of all."""
+    by_probability, by_confidence = ReliabilityCounts(), ReliabilityCounts()
+    by_probability.add(np.array(probability), np.array(is_right, np.bool_))
+    by_confidence.add(np.full(len(is_right), 0.5), np.array(is_right, np.bool_))
+    return Calibration(iou=0.5, probability=by_probability.reliability(), confidence=by_confidence.reliability())
+
+
 def evaluation(**given: Any) -> Evaluation:
     whole: dict[str, Any] = {
         "drive": "made <drive> & more",
@@ -69,6 +79,7 @@ def evaluation(**given: Any) -> Evaluation:
         "curves": [curve(method, iou) for method in METHODS for iou in IOUS],
         "tracking": {"hota": 0.5, "deta": 0.6, "assa": 0.4, "idf1": None, "mota": -0.25, "id_switches": 1500},
         "merges": {"right": 3, "wrong": 1, "missed": 2},
+        "calibration": calibration([0.25, 0.95], [True, True]),
     }
     return Evaluation(**(whole | given))
 
@@ -104,10 +115,28 @@ def test_which_plots_there_are():
     assert list(plots_of(evaluation())) == [
         "precision-recall-iou-0.25",
         "precision-recall-iou-0.5",
+        "reliability-iou-0.5",
         "recall-by-distance-iou-0.25",
         "recall-by-distance-iou-0.5",
     ]
     assert "recall-by-visible-share-iou-0.5" in plots_of(evaluation(by_visible_share=bins(0.5)))
+    assert "reliability-iou-0.5" not in plots_of(evaluation(calibration=calibration([], [])))
+
+
+def test_labels_that_say_what_is_so_lie_on_the_diagonal():
+    """Four labels said .75 and three are right; the confidence says .5 of all of them."""
+    plot = ElementTree.fromstring(reliability_plot(calibration([0.75] * 4, [True, True, True, False])))
+    confidence, probability = plot.iter(f"{SVG}circle")
+    (diagonal,) = (line for line in plot.iter(f"{SVG}line") if line.get("y1") != line.get("y2"))
+    x1, y1, x2, y2 = (float(diagonal.get(name, "nan")) for name in ("x1", "y1", "x2", "y2"))
+
+    def above(dot: ElementTree.Element) -> float:
+        x, y = float(dot.get("cx", "nan")), float(dot.get("cy", "nan"))
+        return (y1 - y) / (y1 - y2) - (x - x1) / (x2 - x1)
+
+    assert above(probability) == pytest.approx(0, abs=0.005)
+    assert above(confidence) == pytest.approx(0.25, abs=0.005)
+    assert probability.findtext(f"{SVG}title") == "probability 0.75: 0.75 of 4 labels are right"
 
 
 def test_the_report_shows_the_table():
@@ -125,6 +154,9 @@ def test_the_report_shows_the_table():
         ("Merges right", "3"),
         ("Merges missed", "2"),
         ("Merges wrong", "1"),
+        ("Expected error of the probability", "0.400"),  # (.75 + .05) / 2
+        ("Of the paper's confidence", "0.500"),
+        ("Labels with a probability", "2"),
     ]
 
 
