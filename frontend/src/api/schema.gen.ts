@@ -772,6 +772,16 @@ export interface components {
              */
             interpolate: boolean;
         };
+        /**
+         * Calibration
+         * @description Reliability of the labels' probability, and of the paper's confidence taken for one.
+         */
+        Calibration: {
+            /** Iou */
+            iou: number;
+            probability: components["schemas"]["Reliability"];
+            confidence: components["schemas"]["Reliability"];
+        };
         /** Camera */
         Camera: {
             /** Name */
@@ -1168,6 +1178,7 @@ export interface components {
             curves: components["schemas"]["PrecisionRecallCurve"][];
             tracking: components["schemas"]["TrackingScores"];
             merges: components["schemas"]["MergeScores"];
+            calibration: components["schemas"]["Calibration"];
         };
         /**
          * Export
@@ -1871,6 +1882,34 @@ export interface components {
             precision: number[];
             /** Recall */
             recall: number[];
+        };
+        /**
+         * Reliability
+         * @description How well labels know whether they are right; the expected calibration error is null without labels.
+         */
+        Reliability: {
+            /** Labels */
+            labels: number;
+            /** Expected Error */
+            expected_error: number | null;
+            /** Bins */
+            bins: components["schemas"]["ReliabilityStep"][];
+        };
+        /**
+         * ReliabilityStep
+         * @description Labels that say of themselves what lies between start and stop: how many, their mean, and how many are right.
+         */
+        ReliabilityStep: {
+            /** Start */
+            start: number;
+            /** Stop */
+            stop: number;
+            /** Labels */
+            labels: number;
+            /** Predicted */
+            predicted: number | null;
+            /** Observed */
+            observed: number | null;
         };
         /**
          * SceneCreate
