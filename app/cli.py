@@ -7,6 +7,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
+from app.commands.audit import audit
 from app.commands.benchmark import benchmark
 from app.commands.demo import demo
 from app.commands.evaluate import evaluate
@@ -44,7 +45,7 @@ main = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (demo, label, evaluate, simulate, record_carla, serve, worker):
+for command in (demo, label, evaluate, audit, simulate, record_carla, serve, worker):
     main.command()(command)
 main.add_typer(models, name="models")
 main.add_typer(benchmark, name="benchmark")

@@ -11,6 +11,7 @@ from fastapi.routing import APIRoute
 from pydantic import BaseModel
 
 from app import __version__
+from app.audit.endpoints import router as audit_router
 from app.db.engine import migrate, open_engine
 from app.db.session import Store
 from app.drives.endpoints import router as drives_router
@@ -102,6 +103,7 @@ def create_app(settings: Settings, *, static_folder: Path = STATIC_FOLDER) -> Fa
         scene_router,
         motion_router,
         summary_router,
+        audit_router,
     ):
         app.include_router(router)
     install_page(app, static_folder)

@@ -65,7 +65,7 @@ def evaluate_drive(settings: Settings, folder: Path, *, scene: str | None, confi
     """Evaluate the labels that the workspace holds of the drive in a folder. HindsightError where it holds none."""
     recorded = open_drive(folder.absolute(), scene=scene)
     if settings.database_url is None and not (settings.workspace / "hindsight.db").exists():
-        raise _not_labelled(settings, recorded, folder)
+        raise not_labelled(settings, recorded, folder)
     engine = open_engine(settings.store_url)
     try:
         migrate(engine)
@@ -73,7 +73,7 @@ def evaluate_drive(settings: Settings, folder: Path, *, scene: str | None, confi
             row = drives_repository.find_by_path(session, str(recorded.root), scene)
             labelling = None if row is None else tracks_repository.current_labelling(session, row.id)
             if row is None or labelling is None:
-                raise _not_labelled(settings, recorded, folder)
+                raise not_labelled(settings, recorded, folder)
             return evaluate_labelling(session, settings, row, labelling, recorded, config=config)
     finally:
         engine.dispose()
@@ -112,7 +112,8 @@ def share(value: float | None) -> str:
     return "-" if value is None else f"{value:.3f}"
 
 
-def _not_labelled(settings: Settings, recorded: Drive, folder: Path) -> HindsightError:
+def not_labelled(settings: Settings, recorded: Drive, folder: Path) -> HindsightError:
+    """The error of a command that needs labels of a drive where there are none."""
     return HindsightError(
         f"The workspace {settings.workspace} has no labels of {recorded.name}. Label it first, in the same workspace: "
         f"hindsight label {folder}."

@@ -1,5 +1,6 @@
 """Every table of the store, gathered for the migrations."""
 
+from app.audit.models import AuditRow
 from app.db.base import Base
 from app.drives.models import CameraRow, DriveRow, FrameRow, ImageRow
 from app.edits.models import EffectRow
@@ -26,6 +27,7 @@ TABLES = (
     EffectRow,
     JobRow,
     ExportRow,
+    AuditRow,
 )
 
 metadata = Base.metadata

@@ -46,6 +46,11 @@ class Artifacts:
             self._root.mkdir(parents=True, exist_ok=True)
         self._remove_leftovers()
 
+    @property
+    def root(self) -> Path:
+        """The folder that all lie in."""
+        return self._root
+
     def path(self, stage: str, key: str, suffix: str) -> Path:
         """Where that artifact lies, or will lie."""
         return self._root / stage / f"{key}.{suffix}"

@@ -139,11 +139,16 @@ def track_units(clips: Clips, classes: Classes, config: TrackingConfig) -> list[
     """A unit for each camera; the n-th camera's tracks are numbered from n million and 1."""
     planned: list[TrackUnit] = []
     for number, (camera, paths) in enumerate(clips.by_camera().items(), start=1):
-        first_track_id = number * TRACK_IDS_PER_CAMERA + 1
-        key = key_of(config, classes.groups, camera, first_track_id, [path.name for path in paths])
+        first_id = first_track_id(number)
+        key = key_of(config, classes.groups, camera, first_id, [path.name for path in paths])
         effort = clips.images[camera]
-        planned.append(TrackUnit(key, tuple(paths), config, classes.groups, first_track_id, effort))
+        planned.append(TrackUnit(key, tuple(paths), config, classes.groups, first_id, effort))
     return planned
+
+
+def first_track_id(camera_number: int) -> int:
+    """The id of the first track of the n-th camera, counted from 1."""
+    return camera_number * TRACK_IDS_PER_CAMERA + 1
 
 
 def identity_unit(

@@ -25,7 +25,7 @@ from labeler.pipeline.executors import Executor, open_executor
 from labeler.pipeline.lidar_units import LIDAR, agreement_of
 from labeler.pipeline.memory import PeakMemory
 from labeler.pipeline.reading import read_labelled_frames
-from labeler.pipeline.results import keep_detections
+from labeler.pipeline.results import ResultFiles, keep_detections, keep_files
 from labeler.pipeline.segmenting import segment
 from labeler.pipeline.settings import LabelSettings
 from labeler.pipeline.stages import AnyUnit, Stage, run_stage
@@ -40,7 +40,6 @@ from labeler.pipeline.types import (
     TrackSummary,
 )
 from labeler.pipeline.units import DONORS, IDENTITY, LABELS, TRACK, read_donors, read_identities
-from labeler.propagation import PropagationConfig
 from labeler.segmentation import open_segmenter
 
 
@@ -80,8 +79,9 @@ def label_drive(
     run = _Run(Artifacts(workspace), executor, progress or SilentProgress())
     with PeakMemory() as memory:
         chosen = settings or LabelSettings()
-        results = _run_stages(run, drive, model, segmentation, chosen, decisions or Decisions())
-        return _summarise(run, drive, results, chosen.propagation, memory)
+        decisions = decisions or Decisions()
+        results = _run_stages(run, drive, model, segmentation, chosen, decisions)
+        return _summarise(run, drive, results, chosen, decisions, memory)
 
 
 @dataclass(frozen=True)
@@ -111,6 +111,7 @@ class _Results:
     """The artifacts of a run."""
 
     class_names: tuple[str, ...]
+    class_groups: tuple[int, ...]
     detector_seconds: float
     detections: dict[str, list[Path]]
     segmentation: dict[str, list[Path]]
@@ -151,6 +152,7 @@ def _run_stages(
     labels = dict(zip(tracks, run.stage(LABELS, label_units), strict=True))
     return _Results(
         classes.names,
+        classes.groups,
         detected.detector_seconds,
         clips.by_camera(),
         segmented.by_camera(),
@@ -177,7 +179,7 @@ def _segment(run: _Run, drive: Drive, model: Path | None) -> plan.Clips:
 
 
 def _summarise(
-    run: _Run, drive: Drive, results: _Results, propagation: PropagationConfig, memory: PeakMemory
+    run: _Run, drive: Drive, results: _Results, settings: LabelSettings, decisions: Decisions, memory: PeakMemory
 ) -> LabelledDrive:
     identities = read_identities(results.identities)
     donors = read_donors(results.donors)
@@ -197,6 +199,7 @@ def _summarise(
     )
     key = key_of([path.name for path in (results.identities, *results.labels.values(), *results.boxes_3d)])
     keep_detections(run.artifacts, key, results.detections)
+    keep_files(run.artifacts, key, _files_of(results, settings, decisions))
     return LabelledDrive(
         key=key,
         class_names=results.class_names,
@@ -204,9 +207,22 @@ def _summarise(
         merges=identities.proposals,
         identity_of=identities.identity_of,
         donors=donors.of_identity,
-        propagation=propagation,
+        propagation=settings.propagation,
         summary=summary,
         open_frames=partial(read_labelled_frames, results.tracks, results.labels, results.boxes_3d),
+    )
+
+
+def _files_of(results: _Results, settings: LabelSettings, decisions: Decisions) -> ResultFiles:
+    return ResultFiles(
+        detections={camera: tuple(paths) for camera, paths in results.detections.items()},
+        tracks=results.tracks,
+        boxes_3d=tuple(results.boxes_3d),
+        class_groups=results.class_groups,
+        tracking=settings.tracking,
+        identity=settings.identity,
+        propagation=settings.propagation,
+        decisions=decisions,
     )
 
 

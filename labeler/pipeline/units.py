@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
 from pathlib import Path
@@ -20,7 +20,7 @@ from labeler.pipeline.stages import Stage
 from labeler.pipeline.tables import columns_of, concatenate, read_batches, rows_of, write_table
 from labeler.pipeline.types import TrackSummary
 from labeler.propagation import Donor, PropagationConfig, Votes, collect_votes, donor_of, label_observations
-from labeler.tracking import Observations, TrackingConfig, open_tracker
+from labeler.tracking import DetectedFrame, Observations, TrackingConfig, open_tracker
 
 _FRAMES_PER_BATCH = 64
 
@@ -53,9 +53,26 @@ class IdentityUnit:
 
 def track(unit: TrackUnit, path: Path) -> None:
     """Write the observations of one camera's tracks, in order of frames."""
-    tracker = open_tracker(unit.config, class_groups=unit.class_groups)
-    observations = tracker.track(read_detections(unit.detections), first_track_id=unit.first_track_id)
-    write_table(path, _batched(observations))
+    track_detections(
+        read_detections(unit.detections),
+        path,
+        unit.config,
+        class_groups=unit.class_groups,
+        first_track_id=unit.first_track_id,
+    )
+
+
+def track_detections(
+    frames: Iterable[DetectedFrame],
+    path: Path,
+    config: TrackingConfig,
+    *,
+    class_groups: Sequence[int],
+    first_track_id: int,
+) -> None:
+    """Write the observations of the tracks in one camera's frames, in order of frames."""
+    tracker = open_tracker(config, class_groups=class_groups)
+    write_table(path, _batched(tracker.track(frames, first_track_id=first_track_id)))
 
 
 def find_identities(unit: IdentityUnit, path: Path) -> None:

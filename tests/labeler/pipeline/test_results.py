@@ -2,9 +2,12 @@ from pathlib import Path
 
 import numpy as np
 
+from labeler.identity import Decisions, IdentityConfig
 from labeler.pipeline.artifacts import Artifacts
-from labeler.pipeline.results import find_detections, keep_detections
+from labeler.pipeline.results import ResultFiles, find_detections, find_files, keep_detections, keep_files
 from labeler.pipeline.tables import write_table
+from labeler.propagation import PropagationConfig
+from labeler.tracking import TrackingConfig
 
 
 def write_clip(artifacts: Artifacts, key: str, frame_index: int) -> Path:
@@ -49,3 +52,27 @@ def test_a_workspace_that_was_moved_still_finds_them(tmp_path: Path):
     found = find_detections(tmp_path / "after", "a result")
     assert found is not None
     assert [frame.frame_index for frame in found["front"]()] == [3]
+
+
+def test_what_a_result_was_made_from_is_found_where_the_workspace_is_now(tmp_path: Path):
+    artifacts = Artifacts(tmp_path / "before")
+    clip, tracks = (write_clip(artifacts, name, 0) for name in ("clip-1", "tracks-1"))
+    files = ResultFiles(
+        detections={"front": (clip,)},
+        tracks={"front": tracks},
+        boxes_3d=(),
+        class_groups=(0, 1),
+        tracking=TrackingConfig(method="two_stage"),
+        identity=IdentityConfig(max_gap_s=3.0),
+        propagation=PropagationConfig(rule="top-k", top_k=3),
+        decisions=Decisions(),
+    )
+    keep_files(artifacts, "a result", files)
+    assert find_files(tmp_path / "before", "a result") == files
+    assert find_files(tmp_path / "before", "never made") is None
+    (tmp_path / "before").rename(tmp_path / "after")
+    found = find_files(tmp_path / "after", "a result")
+    assert found is not None
+    assert found.paths() == [tmp_path / "after" / path.relative_to(tmp_path / "before") for path in (clip, tracks)]
+    found.tracks["front"].unlink()
+    assert find_files(tmp_path / "after", "a result") is None

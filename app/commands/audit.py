@@ -1,0 +1,96 @@
+"""``hindsight audit``: how far the labels of a drive can be believed, without truth."""
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.table import Table
+
+from app.audit.service import audit_labelling
+from app.commands.evaluate import not_labelled
+from app.commands.options import AsJson, DriveFolder, SceneName, WorkspaceFolder
+from app.commands.terminal import TerminalProgress, show_table
+from app.db.engine import migrate, open_engine
+from app.db.session import Store
+from app.drives import repository as drives_repository
+from app.settings import Settings, load_settings
+from app.tracks import repository as tracks_repository
+from labeler.drive import open_drive
+from labeler.evaluation.audit import Agreement, Audit, AuditConfig, AuditRow
+
+
+def audit(
+    drive: DriveFolder,
+    workspace: WorkspaceFolder = None,
+    scene: SceneName = None,
+    share: Annotated[float, typer.Option(help="Which share of the confident observations to hide.")] = 0.05,
+    confidence: Annotated[
+        float, typer.Option(min=0, max=1, help="Observations with at least this score are confident.")
+    ] = 0.8,
+    seed: Annotated[int, typer.Option(min=0, help="Who is hidden follows from it.")] = 0,
+    as_json: AsJson = False,
+) -> None:
+    """Hide some confident observations of a labelled drive, and say how often labels and boxes come back."""
+    settings = load_settings(workspace=workspace)
+    config = AuditConfig(share=share, confidence=confidence, seed=seed)
+    found = audit_drive(settings, drive, scene=scene, config=config)
+    if as_json:
+        typer.echo(json.dumps(found))
+    else:
+        show(found)
+
+
+def audit_drive(settings: Settings, folder: Path, *, scene: str | None, config: AuditConfig) -> Audit:
+    """Audit the labels that the workspace holds of the drive in a folder. HindsightError where it holds none."""
+    recorded = open_drive(folder.absolute(), scene=scene)
+    if settings.database_url is None and not (settings.workspace / "hindsight.db").exists():
+        raise not_labelled(settings, recorded, folder)
+    engine = open_engine(settings.store_url)
+    try:
+        migrate(engine)
+        store = Store(engine)
+        with store.read() as session:
+            row = drives_repository.find_by_path(session, str(recorded.root), scene)
+            labelling = None if row is None else tracks_repository.current_labelling(session, row.id)
+        if row is None or labelling is None:
+            raise not_labelled(settings, recorded, folder)
+        with TerminalProgress() as progress:
+            return audit_labelling(store, settings, row, labelling, recorded, config=config, progress=progress)
+    finally:
+        engine.dispose()
+
+
+def show(found: Audit) -> None:
+    """The audit on standard output: all, then by distance, then by height."""
+    title = (
+        f"{found['drive']}: {found['hidden']} of {found['confident']:,} observations with confidence >= "
+        f"{found['confidence']:g} hidden (seed {found['seed']})"
+    )
+    table = Table(title=title, title_justify="left")
+    table.add_column("of those")
+    for heading in ("hidden", "box found", "95 %", "class right", "95 %"):
+        table.add_column(heading, justify="right")
+    table.add_row("all", *_cells(found["box"], found["label"]))
+    for rows, unit in ((found["by_distance"], "m"), (found["by_height"], "px high")):
+        for row in rows:
+            table.add_row(_range(row, unit), *_cells(row["box"], row["label"]))
+    show_table(table)
+    typer.echo("Class right: of the boxes that were found. The hidden ones are those that the detector was sure of.")
+
+
+def _cells(box: Agreement, label: Agreement) -> tuple[str, ...]:
+    return (f"{box['of']:,}", _share(box["share"]), _interval(box), _share(label["share"]), _interval(label))
+
+
+def _range(row: AuditRow, unit: str) -> str:
+    stop = row["stop"]
+    return f"from {row['start']:g} {unit}" if stop is None else f"{row['start']:g} to {stop:g} {unit}"
+
+
+def _share(value: float | None) -> str:
+    return "-" if value is None else f"{value:.3f}"
+
+
+def _interval(found: Agreement) -> str:
+    return "-" if found["low"] is None else f"{found['low']:.2f} to {found['high']:.2f}"
