@@ -29,6 +29,7 @@ from labeler.pipeline.lidar_units import LidarFrame, LidarUnit, lidar_frame
 from labeler.pipeline.segmenting import SegmentUnit
 from labeler.pipeline.units import DonorUnit, IdentityUnit, LabelUnit, TrackUnit
 from labeler.propagation import PropagationConfig
+from labeler.propagation.probability import shipped_text
 from labeler.tracking import TrackingConfig
 
 CLIP_FRAMES = 16
@@ -197,9 +198,9 @@ def label_units(
 ) -> list[LabelUnit]:
     """A unit for each camera."""
     times_ns = frame_times_of(drive)
+    shared = (identities.name, donors.name, shipped_text())
     return [
-        LabelUnit(key_of(path.name, identities.name, donors.name), path, identities, donors, config, times_ns)
-        for path in tracks.values()
+        LabelUnit(key_of(path.name, *shared), path, identities, donors, config, times_ns) for path in tracks.values()
     ]
 
 

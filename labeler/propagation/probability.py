@@ -120,4 +120,9 @@ def probability_of(features: _Array, model: Model | None = None) -> _Array:
 @cache
 def shipped() -> Model:
     """The model that lies beside this module."""
-    return Model.from_json(json.loads((resources.files("labeler.propagation") / FILE_NAME).read_text(encoding="utf-8")))
+    return Model.from_json(json.loads(shipped_text()))
+
+
+def shipped_text() -> str:
+    """Its content: what depends on the model is keyed by it."""
+    return (resources.files("labeler.propagation") / FILE_NAME).read_text(encoding="utf-8")

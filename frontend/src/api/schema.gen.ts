@@ -710,10 +710,100 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/drives/{drive_id}/audit": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Audit
+         * @description The last `hindsight audit` of the labels as they are; null where there is none.
+         */
+        get: operations["get_audit"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
 }
 export type webhooks = Record<string, never>;
 export interface components {
     schemas: {
+        /**
+         * Agreement
+         * @description How many agree of how many, their share, and the interval that holds the true share in 95 of 100 cases.
+         */
+        Agreement: {
+            /** Agree */
+            agree: number;
+            /** Of */
+            of: number;
+            /** Share */
+            share: number | null;
+            /** Low */
+            low: number | null;
+            /** High */
+            high: number | null;
+        };
+        /**
+         * Audit
+         * @description What became of confident observations that were hidden from tracking, merging and propagation.
+         */
+        Audit: {
+            /** Drive */
+            drive: string;
+            /** Share */
+            share: number;
+            /** Confidence */
+            confidence: number;
+            /** Seed */
+            seed: number;
+            /** Iou */
+            iou: number;
+            /**
+             * Confident
+             * @description Observations that could have been hidden.
+             */
+            confident: number;
+            /** Hidden */
+            hidden: number;
+            box: components["schemas"]["Agreement"];
+            label: components["schemas"]["Agreement"];
+            /**
+             * By Distance
+             * @description Bins in metres; empty where distances are not known.
+             */
+            by_distance: components["schemas"]["AuditBin"][];
+            /**
+             * By Height
+             * @description Bins of the box's height, in pixels.
+             */
+            by_height: components["schemas"]["AuditBin"][];
+            /**
+             * Created At
+             * Format: date-time
+             */
+            created_at: string;
+        };
+        /**
+         * AuditBin
+         * @description Hidden observations whose value lies from start to stop; stop is null without an end.
+         */
+        AuditBin: {
+            /** Start */
+            start: number;
+            /** Stop */
+            stop: number | null;
+            /** @description A box is where the hidden one was. */
+            box: components["schemas"]["Agreement"];
+            /** @description It has the hidden one's class, of those that are there. */
+            label: components["schemas"]["Agreement"];
+        };
         /**
          * BinRecall
          * @description Recall of whole boxes over all cameras, of the objects whose value lies from start to stop.
@@ -3372,6 +3462,37 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["LabelHistogram"];
+                };
+            };
+            /** @description What was wrong, where, and what to do. */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    get_audit: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                drive_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Audit"] | null;
                 };
             };
             /** @description What was wrong, where, and what to do. */

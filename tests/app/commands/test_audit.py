@@ -11,6 +11,7 @@ from app.commands.label import store_labels
 from app.settings import Settings
 from labeler.evaluation.made_up import MadeUp, made_up_labels, write_made_up_drive
 from labeler.pipeline import SilentProgress
+from tests.made_drive import write_drive
 
 SIZE = MadeUp(frames=5, cameras=2, objects=3)
 
@@ -19,8 +20,9 @@ def run(*arguments: str) -> Result:
     return CliRunner().invoke(main, list(arguments))
 
 
-def test_a_labelled_drive(made_drive: Path, made_model: Path, tmp_path: Path) -> None:
-    """Half of what is as sure as can be is hidden; the labels in the store stay as they were."""
+def test_a_labelled_drive(made_model: Path, tmp_path: Path) -> None:
+    """Half of what is sure is hidden; the same seed says the same."""
+    made_drive = write_drive(tmp_path / "made drive", frames=30)
     where = ("--workspace", str(tmp_path / "workspace"))
     labelled = run("label", str(made_drive), "--model", str(made_model), "--executor", "serial", *where)
     assert labelled.exit_code == 0, labelled.stderr
