@@ -6,6 +6,7 @@ DRIVE ?=
 MODEL ?=
 PYTEST_ARGS ?=
 EXTRAS ?= dev
+BENCH_PEERS := trackers==2.6.1 supervision==0.29.1 norfair==2.3.0
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -39,12 +40,13 @@ lint: $(READY) ## check style, types, layers and lock files
 	  echo "frontend/package-lock.json holds download addresses; make it again with frontend/.npmrc in place" >&2; exit 1; \
 	fi
 
-bench: $(READY) ## measure the pipeline against bare inference: make bench DRIVE=folder [MODEL=name or file]
-	@if [ -z "$(DRIVE)" ]; then \
-	  echo "make bench needs a recorded drive: make bench DRIVE=path/to/drive" >&2; \
-	  exit 2; \
+bench: $(READY) ## time our trackers beside others, and with a drive the pipeline: make bench [DRIVE=folder] [MODEL=name or file]
+	@HINDSIGHT_SKIP_FRONTEND=1 $(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[bench]'
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps $(BENCH_PEERS)
+	@$(BIN)/hindsight benchmark trackers
+	@if [ -n "$(DRIVE)" ]; then \
+	  $(BIN)/hindsight benchmark pipeline "$(DRIVE)" $(if $(MODEL),--model "$(MODEL)"); \
 	fi
-	@$(BIN)/hindsight benchmark pipeline "$(DRIVE)" $(if $(MODEL),--model "$(MODEL)")
 
 openapi: $(READY) ## write frontend/openapi.json and the page's typed client again
 	$(BIN)/hindsight openapi .make/openapi.json

@@ -24,6 +24,7 @@ from labeler.evaluation.boxes_3d_cases import BoxFinder, judge_boxes
 from labeler.evaluation.label_benchmark import benchmark_labels
 from labeler.evaluation.made_observations import Noise, scene_of
 from labeler.evaluation.made_up import MadeUp, made_up_labels, write_made_up_drive
+from labeler.evaluation.tracker_benchmark import OBJECTS, TrackerTimes, benchmark_trackers
 from labeler.evaluation.types import EvaluationConfig
 from labeler.pipeline import SilentProgress
 from labeler.pipeline.benchmark import benchmark_pipeline, repeat_frames
@@ -157,6 +158,39 @@ def labels(
     for row in rows:
         shares = (row["p25"], row["r25"], row["r25_far"], row["p50"], row["r50"], row["hota"], row["mota"], row["idf1"])
         say(f"{row['method']:20} " + " ".join(f"{'-':>6}" if one is None else f"{one:6.3f}" for one in shares))
+
+
+@benchmark.command()
+def trackers(
+    frames: Annotated[int, typer.Option(min=20, help="Frames to track.")] = 500,
+    runs: Annotated[int, typer.Option(min=1, help="Take the median of this many runs of each tracker.")] = 3,
+    seed: Annotated[int, typer.Option(min=0, help="The detections follow from it.")] = 0,
+    as_json: AsJson = False,
+) -> None:
+    """Time our trackers beside those of other packages on made detections: neither images nor a model are read."""
+    with TerminalProgress() as progress:
+        progress.stage("Tracking", runs * len(OBJECTS))
+        found = benchmark_trackers(frames=frames, runs=runs, seed=seed, progress=progress.advance)
+    if as_json:
+        typer.echo(json.dumps(found))
+        return
+    _show_trackers(found)
+
+
+def _show_trackers(found: TrackerTimes) -> None:
+    """A line for each tracker on standard output, those that could not take part on standard error."""
+    table = Table(title=f"frames per second of processor time, median of {found['runs']} runs", title_justify="left")
+    table.add_column("tracker")
+    for objects in OBJECTS:
+        table.add_column(f"{objects} objects", justify="right")
+    speed = {(row["tracker"], row["objects"]): row["frames_per_cpu_second"] for row in found["rows"]}
+    for name in dict.fromkeys(row["tracker"] for row in found["rows"]):
+        version = found["versions"].get(name)
+        title = name if version is None else f"{name} {version}"
+        table.add_row(title, *(f"{speed[name, objects]:.0f}" for objects in OBJECTS))
+    show_table(table)
+    for skipped in found["skipped"]:
+        say(f"Skipped {skipped['tracker']}: {skipped['reason']}")
 
 
 @benchmark.command()

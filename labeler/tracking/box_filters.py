@@ -3,7 +3,8 @@
 Model and noise are those of :class:`labeler.tracking.motion.BoxMotion`: centre and sides move at a speed that wanders,
 the box is measured, and all noise grows with the box's size. The four coordinates of a box don't mix, and x and y of
 its centre share their variances, as do its width and height. So a box needs two 2x2 covariances instead of one 8x8,
-their gains can be written out, and a step over any number of boxes is a fixed number of array operations.
+fourteen numbers in all. Time moves them by one matrix that is the same for every box, the gains can be written out, and
+a step over any number of boxes is a few array operations.
 """
 
 from __future__ import annotations
@@ -16,92 +17,99 @@ from labeler.tracking.config import TrackingConfig
 _Array = NDArray[np.float64]
 _MIN_SIDE_PX = 1.0
 
+POSITION, SPEED = slice(0, 4), slice(4, 8)
+VARIANCE, COVARIANCE, SPEED_VARIANCE = slice(8, 10), slice(10, 12), slice(12, 14)
+_NUMBERS = 14
+
+_CENTER_AND_SIDES = np.array([[0.5, 0, 0.5, 0], [0, 0.5, 0, 0.5], [-1, 0, 1, 0], [0, -1, 0, 1]])
+
 
 class BoxFilters:
-    """The filters of B boxes, by row in the order in which they were added.
+    """The filters of B boxes, by column in the order in which they were added.
 
-    ``position`` and ``speed`` (2, 2, B) in pixels and pixels a second hold (centre, sides) by (x, y). ``variance``,
-    ``covariance`` (of position and speed) and ``speed_variance`` (2, B) hold (centre, sides): x and y share them.
+    The rows of ``state`` (14, B) are centre x, centre y, width and height in pixels (POSITION), their speeds in pixels
+    a second (SPEED), and the VARIANCE of position, its COVARIANCE with speed and the SPEED_VARIANCE, each of centre and
+    sides.
     """
 
-    __slots__ = (
-        "_density",
-        "_initial_speed",
-        "_measured",
-        "covariance",
-        "position",
-        "speed",
-        "speed_variance",
-        "variance",
-    )
+    __slots__ = ("_density", "_initial_speed", "_measured", "_step_of", "_steps", "state")
 
     def __init__(self, config: TrackingConfig) -> None:
         ratio = np.array([[1.0], [config.growth_ratio]])
         self._measured = config.measurement_std_sizes**2
         self._density = np.square(config.speed_change_std_sizes * ratio)
         self._initial_speed = np.square(config.initial_speed_std_sizes * ratio)
-        self.position: _Array = np.zeros((2, 2, 0))
-        self.speed: _Array = np.zeros((2, 2, 0))
-        self.variance: _Array = np.zeros((2, 0))
-        self.covariance: _Array = np.zeros((2, 0))
-        self.speed_variance: _Array = np.zeros((2, 0))
+        self._step_of: float | None = None
+        self._steps: tuple[_Array, _Array] | None = None
+        self.state: _Array = np.zeros((_NUMBERS, 0))
 
     def __len__(self) -> int:
-        return self.variance.shape[1]
+        return self.state.shape[1]
 
-    def add(self, xyxy_px: _Array) -> None:
-        """Begin filters at rest from (N, 4) boxes."""
-        position = _center_and_sides(xyxy_px)
-        squared = _squared_size(position)
-        measured = np.broadcast_to(self._measured * squared, (2, len(squared)))
-        self._append(position, np.zeros_like(position), measured, self._initial_speed * squared)
+    def add(self, xyxy_px: _Array, noise: _Array | None = None) -> None:
+        """Begin filters at rest from (N, 4) boxes; ``noise`` as for :meth:`update`."""
+        new = np.zeros((_NUMBERS, len(xyxy_px)))
+        new[POSITION] = position = center_and_sides(xyxy_px)
+        squared = squared_size(position)
+        new[VARIANCE] = self._error(squared, noise)
+        new[SPEED_VARIANCE] = self._initial_speed * squared
+        self.state = np.concatenate([self.state, new], axis=1)
 
     def resume(self, position: _Array, speed: _Array, variance: _Array, speed_variance: _Array) -> None:
         """Begin filters from what is known: (N, 4) centre x, centre y, width and height and their speeds, and (N, 2)
         variances of centre and sides. Position and speed are taken as independent."""
-        shape = (2, 2, len(position))
-        self._append(position.T.reshape(shape), speed.T.reshape(shape), variance.T, speed_variance.T)
+        parts = [position.T, speed.T, variance.T, np.zeros_like(variance.T), speed_variance.T]
+        self.state = np.concatenate([self.state, np.concatenate(parts)], axis=1)
 
-    def _append(self, position: _Array, speed: _Array, variance: _Array, speed_variance: _Array) -> None:
-        self.position = np.concatenate([self.position, position], axis=2)
-        self.speed = np.concatenate([self.speed, speed], axis=2)
-        self.variance = np.concatenate([self.variance, variance], axis=1)
-        self.covariance = np.concatenate([self.covariance, np.zeros_like(variance)], axis=1)
-        self.speed_variance = np.concatenate([self.speed_variance, speed_variance], axis=1)
-
-    def keep(self, rows: NDArray[np.intp] | NDArray[np.bool_]) -> None:
+    def keep(self, columns: NDArray[np.bool_]) -> None:
         """Drop all other filters."""
-        self.position, self.speed = self.position[:, :, rows], self.speed[:, :, rows]
-        self.variance, self.covariance = self.variance[:, rows], self.covariance[:, rows]
-        self.speed_variance = self.speed_variance[:, rows]
+        self.state = self.state.compress(columns, axis=1)
 
     def predict(self, dt_s: float) -> None:
         """Move all boxes on by ``dt_s`` seconds; 0 leaves them where they are."""
-        noise = self._density * (_squared_size(self.position) * dt_s)
-        self.position = self.position + dt_s * self.speed
-        self.variance = self.variance + dt_s * (2 * self.covariance + dt_s * (self.speed_variance + noise / 3))
-        self.covariance = self.covariance + dt_s * (self.speed_variance + noise / 2)
-        self.speed_variance = self.speed_variance + noise
+        transition, noise = self._step(dt_s)
+        grown = noise * squared_size(self.state)
+        self.state = transition @ self.state
+        self.state[8:] += grown
 
-    def update(self, rows: NDArray[np.intp], xyxy_px: _Array) -> None:
-        """Correct the filters in ``rows`` (N,), none twice, by detected boxes (N, 4) of the same moment."""
-        measured = _center_and_sides(xyxy_px)
-        variance, covariance = self.variance[:, rows], self.covariance[:, rows]
-        total = variance + self._measured * _squared_size(measured)
-        gain, speed_gain = variance / total, covariance / total
-        position = self.position[:, :, rows]
-        surprise = measured - position
-        self.position[:, :, rows] = position + gain[:, None] * surprise
-        self.speed[:, :, rows] += speed_gain[:, None] * surprise
-        self.variance[:, rows] = variance - gain * variance
-        self.covariance[:, rows] = covariance - gain * covariance
-        self.speed_variance[:, rows] -= speed_gain * covariance
+    def update(self, columns: NDArray[np.intp], xyxy_px: _Array, noise: _Array | None = None) -> None:
+        """Correct the filters in ``columns`` (N,), none twice, by detected boxes (N, 4) of the same moment.
+
+        ``noise`` (N,) is how much farther off a box is than usual (a factor on the standard deviation)."""
+        measured = center_and_sides(xyxy_px)
+        state = self.state.take(columns, axis=1)
+        parts = state.reshape(7, 2, len(columns))  # centre and sides of each of: position (2), speed (2), variances (3)
+        gain = parts[4:6] / (parts[4] + self._error(squared_size(measured), noise))
+        surprise = (measured - state[POSITION]).reshape(2, 2, len(columns))
+        moving = state[:8].reshape(2, 2, 2, len(columns))
+        moving += gain[:, :, None] * surprise
+        parts[6] -= gain[1] * parts[5]
+        parts[4:6] -= gain[0] * parts[4:6]
+        self.state[:, columns] = state
+
+    def _error(self, squared: _Array, noise: _Array | None) -> _Array:
+        """(N,) variance of measured boxes."""
+        return self._measured * squared if noise is None else self._measured * squared * np.square(noise)
+
+    def _step(self, dt_s: float) -> tuple[_Array, _Array]:
+        """What ``dt_s`` seconds do to every box: the (14, 14) transition, and (6, 1) what they add to the variances of
+        a box of one square pixel. Recordings have an even rate, so the last one is mostly the right one."""
+        if self._steps is None or self._step_of != dt_s:
+            transition = np.eye(_NUMBERS)
+            transition[POSITION, SPEED] = dt_s * np.eye(4)
+            transition[VARIANCE, COVARIANCE] = 2 * dt_s * np.eye(2)
+            transition[VARIANCE, SPEED_VARIANCE] = dt_s**2 * np.eye(2)
+            transition[COVARIANCE, SPEED_VARIANCE] = dt_s * np.eye(2)
+            noise = np.concatenate([dt_s**3 / 3 * self._density, dt_s**2 / 2 * self._density, dt_s * self._density])
+            self._step_of, self._steps = dt_s, (transition, noise)
+        return self._steps
 
     def corners_px(self) -> tuple[_Array, _Array]:
         """(2, B) upper left and (2, B) lower right corners where the filters believe the boxes to be; a side is never
         shorter than a pixel."""
-        half = np.maximum(self.position[1], _MIN_SIDE_PX) / 2
-        return self.position[0] - half, self.position[0] + half
+        half = np.maximum(self.state[2:4], _MIN_SIDE_PX)
+        half *= 0.5
+        return self.state[:2] - half, self.state[:2] + half
 
     @property
     def xyxy_px(self) -> _Array:
@@ -109,13 +117,12 @@ class BoxFilters:
         return np.concatenate(self.corners_px()).T
 
 
-def _center_and_sides(xyxy_px: _Array) -> _Array:
-    """(2, 2, N) from (N, 4)."""
-    upper_left, lower_right = xyxy_px[:, :2].T, xyxy_px[:, 2:].T
-    return np.stack([(upper_left + lower_right) / 2, lower_right - upper_left])
+def center_and_sides(xyxy_px: _Array) -> _Array:
+    """(4, N) centre x, centre y, width and height of (N, 4) boxes."""
+    return _CENTER_AND_SIDES @ xyxy_px.T
 
 
-def _squared_size(position: _Array) -> _Array:
-    """(B,) width times height, of sides of at least a pixel."""
-    width, height = np.maximum(position[1], _MIN_SIDE_PX)
+def squared_size(state: _Array) -> _Array:
+    """(B,) width times height, of sides of at least a pixel; ``state`` (4 or more, B) begins with the position."""
+    width, height = np.maximum(state[2:4], _MIN_SIDE_PX)
     return width * height

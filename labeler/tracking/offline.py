@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import count
+from itertools import count, pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -68,8 +68,7 @@ class OfflineTracker:
 
     def _track_forward(self, frames: Iterable[DetectedFrame], first_track_id: int) -> Iterator[TrackedFrame]:
         new_ids = count(first_track_id)
-        sure = LiveTracks(self._config, new_ids)
-        weak = LiveTracks(replace(self._config, sure_score=self._config.birth_score), new_ids)
+        live = LiveTracks(self._config, new_ids, weak_score=self._config.birth_score)
         previous: DetectedFrame | None = None
         for frame in frames:
             check_order(previous, frame)
@@ -79,15 +78,9 @@ class OfflineTracker:
             rows = sound[frame.detections.score[sound] >= self._config.min_score]
             group = groups_of(frame, rows, self._class_groups)
             boxes, score = frame.detections.xyxy_px[rows].astype(np.float64), frame.detections.score[rows]
-            sure.move_to(frame.timestamp_ns)
-            weak.move_to(frame.timestamp_ns)
-            track_id = sure.feed(boxes, score, group)
-            left = np.flatnonzero(track_id == NO_TRACK)
-            is_weak = np.zeros(len(rows), np.bool_)
-            if len(left) or len(weak.track_id):
-                track_id[left] = weak.feed(boxes[left], score[left], group[left])
-                is_weak[left] = True
-            yield TrackedFrame(frame, rows, group, track_id, is_weak)
+            live.move_to(frame.timestamp_ns)
+            track_id, is_weak = live.feed(boxes, score, group)
+            yield TrackedFrame(frame, rows, boxes, score, group, track_id, is_weak)
 
 
 class _Mending:
@@ -122,8 +115,8 @@ class _Mending:
             return
         mended = self._mend(Window.of(self._frames), self._given_out)
         stop = self._given_out + frame_count
-        for frame in range(self._given_out, stop):
-            yield mended.observations(frame, self._frames[frame].frame.frame_index)
+        for begin, end in pairwise(mended.start[self._given_out : stop + 1].tolist()):
+            yield mended.observations[begin:end]
         self._given_out = stop
         self._forget()
 
@@ -142,8 +135,7 @@ class _Mending:
         if len(joined):
             self._renamed.update(zip(tracks.ids[joined].tolist(), tracks.ids[before[joined]].tolist(), strict=True))
             window = window.with_tracks(self._current_ids(window.track_id))
-            tracks = _Tracks.of(window)
-            paths = smooth(tracks.boxes, window.time_s, config)
+            tracks, paths = _joined(tracks, paths, before, window, config)
         return _Mended.of(window, tracks, paths, config, self._judge)
 
     def _followed_back(self, window: Window, tracks: _Tracks, paths: Paths, first_frame: int) -> Window:
@@ -176,7 +168,7 @@ class _Mending:
             keep_from += 1
         del self._frames[:keep_from]
         self._given_out -= keep_from
-        alive = {track for frame in self._frames for track in frame.track_id.tolist()}
+        alive = set(np.unique(np.concatenate([frame.track_id for frame in self._frames])).tolist())
         self._renamed = {track: name for track, name in self._renamed.items() if track in alive}
 
 
@@ -210,12 +202,29 @@ class _Tracks:
         return sure
 
 
+def _joined(
+    apart: _Tracks, paths: Paths, before: NDArray[np.int64], window: Window, config: TrackingConfig
+) -> tuple[_Tracks, Paths]:
+    """The tracks of a window whose fragments have one name, and their paths: only where fragments were joined, each
+    ``before`` (T,) another, is there a new path to find."""
+    tracks = _Tracks.of(window)
+    has_changed = np.zeros(len(before), np.bool_)
+    fragment = np.flatnonzero(before != np.arange(len(before)))
+    has_changed[fragment] = has_changed[before[fragment]] = True
+    number = np.searchsorted(tracks.ids, apart.ids)
+    same = paths[~has_changed[paths.track]]
+    is_new = np.zeros(len(tracks.ids), np.bool_)
+    is_new[number[before[fragment]]] = True
+    again = smooth(tracks.boxes[is_new[tracks.boxes.track]], window.time_s, config)
+    return tracks, replace(same, track=number[same.track]).with_tracks_of(again)
+
+
 @dataclass(frozen=True, eq=False)
 class _Mended:
     """What the passes found, a row for each observation, by frame; ``start`` (F + 1,) is where each frame begins."""
 
     start: NDArray[np.intp]
-    observations_of_all: Observations
+    observations: Observations
 
     @staticmethod
     def of(window: Window, tracks: _Tracks, paths: Paths, config: TrackingConfig, judge: Judge) -> _Mended:
@@ -239,7 +248,7 @@ class _Mended:
         order = np.lexsort((track, index, ~is_seen, frame))
         observations = Observations(
             track_id=tracks.ids[track][order],
-            frame_index=frame[order].astype(np.int32),
+            frame_index=window.frame_index[frame[order]],
             xyxy_px=boxes[order].astype(np.float32),
             score=score[order].astype(np.float32),
             class_id=window.class_id[_last_seen(seen, is_seen)][order],
@@ -247,10 +256,6 @@ class _Mended:
             trust=judge(features_of(judged))[order].astype(np.float32),
         )
         return _Mended(np.searchsorted(frame[order], np.arange(steps)), observations)
-
-    def observations(self, frame: int, frame_index: int) -> Observations:
-        rows = self.observations_of_all[slice(int(self.start[frame]), int(self.start[frame + 1]))]
-        return replace(rows, frame_index=np.full(len(rows), frame_index, np.int32))
 
 
 def _in_short_gap(

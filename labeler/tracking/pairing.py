@@ -1,12 +1,14 @@
 """Which detection feeds which track, in crowds as well: only pairs that overlap enough are ever looked at.
 
-Most tracks and detections have one possible partner each: these are pairs at once. Those that compete fall into groups
-that share no member; in each group the pairs are those with the largest total weight, by the Hungarian method. A group
-too large for that (it grows with the cube of its size) is paired greedily, the heaviest first.
+Most tracks and detections have one possible partner each, or one that outweighs all others: these are pairs at once.
+Those that compete fall into groups that share no member; in each group the pairs are those with the largest total
+weight, by the Hungarian method. A group too large for that (it grows with the cube of its size) is paired greedily, the
+heaviest first.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,9 +18,12 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 _Rows = NDArray[np.intp]
+_Corners = tuple[NDArray[np.float64], NDArray[np.float64]]
+_COMPARE_ALL_CELLS = 8_000
 _CELLS_AT_ONCE = 250_000
 _DENSE_CELLS = 40_000
 _HUNGARIAN_CELLS = 1_000_000
+_TURN_WEIGHT = 10.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +37,17 @@ class Candidates:
     def __getitem__(self, chosen: NDArray[np.bool_] | _Rows) -> Candidates:
         return Candidates(self.a[chosen], self.b[chosen], self.weight[chosen])
 
+    @staticmethod
+    def of_parts(parts: Sequence[Candidates]) -> Candidates:
+        """All of them, in order."""
+        if len(parts) == 1:
+            return parts[0]
+        return Candidates(
+            np.concatenate([np.zeros(0, np.intp), *(part.a for part in parts)]),
+            np.concatenate([np.zeros(0, np.intp), *(part.b for part in parts)]),
+            np.concatenate([np.zeros(0), *(part.weight for part in parts)]),
+        )
+
 
 def overlapping(
     a_upper_left: NDArray[np.float64],
@@ -43,46 +59,151 @@ def overlapping(
 ) -> Candidates:
     """All pairs of boxes with an IoU of at least ``min_iou`` (above 0), by corners (2, A), (2, A), (2, B), (2, B).
 
-    Memory does not grow with the product of their numbers.
+    Few boxes are compared all with all. Of many only those are whose left and right sides leave them a chance, so the
+    cost of a crowd hardly grows faster than itself. Memory does not grow with the product of their numbers.
     """
-    b_area = np.multiply(*(b_lower_right - b_upper_left))
-    a_area = np.multiply(*(a_lower_right - a_upper_left))
-    rows_at_once = max(1, _CELLS_AT_ONCE // max(1, len(b_area)))
-    parts: list[Candidates] = []
-    for start in range(0, len(a_area), rows_at_once):
-        part = slice(start, start + rows_at_once)
-        sides = np.minimum(a_lower_right[:, part, None], b_lower_right[:, None, :])
-        sides -= np.maximum(a_upper_left[:, part, None], b_upper_left[:, None, :])
-        np.maximum(sides, 0, out=sides)
-        shared = np.multiply(sides[0], sides[1], out=sides[0])
-        a, b = shared.nonzero()
-        intersection = shared[a, b]
-        iou = intersection / (a_area[part][a] + b_area[b] - intersection)
-        close = iou >= min_iou
-        parts.append(Candidates(a[close] + start, b[close], iou[close]))
-    if len(parts) == 1:
-        return parts[0]
-    return Candidates(
-        np.concatenate([part.a for part in parts]) if parts else np.zeros(0, np.intp),
-        np.concatenate([part.b for part in parts]) if parts else np.zeros(0, np.intp),
-        np.concatenate([part.weight for part in parts]) if parts else np.zeros(0),
+    a_count, b_count = a_upper_left.shape[1], b_upper_left.shape[1]
+    if a_count * b_count <= _COMPARE_ALL_CELLS:
+        sides = np.minimum(a_lower_right[:, :, None], b_lower_right[:, None, :])
+        sides -= np.maximum(a_upper_left[:, :, None], b_upper_left[:, None, :])
+        a, b = (sides > 0).all(axis=0).nonzero()
+        parts = [(a, b)]
+    else:
+        parts = list(_beside_each_other(a_upper_left[0], a_lower_right[0], b_upper_left[0], b_lower_right[0]))
+    found = [
+        _close(a, b, (a_upper_left, a_lower_right), (b_upper_left, b_lower_right), min_iou=min_iou) for a, b in parts
+    ]
+    return Candidates.of_parts(found)
+
+
+def _close(a: _Rows, b: _Rows, a_corners: _Corners, b_corners: _Corners, *, min_iou: float) -> Candidates:
+    """Those of the pairs of rows that overlap enough."""
+    (a_upper_left, a_lower_right), (b_upper_left, b_lower_right) = (
+        (one.take(a, axis=1) for one in a_corners),
+        (one.take(b, axis=1) for one in b_corners),
     )
+    sides = np.minimum(a_lower_right, b_lower_right) - np.maximum(a_upper_left, b_upper_left)
+    np.maximum(sides, 0, out=sides)
+    a_sides, b_sides = a_lower_right - a_upper_left, b_lower_right - b_upper_left
+    intersection = sides[0] * sides[1]
+    iou = intersection / (a_sides[0] * a_sides[1] + b_sides[0] * b_sides[1] - intersection)
+    close = iou >= min_iou
+    return Candidates(a[close], b[close], iou[close])
+
+
+def _beside_each_other(
+    a_left: NDArray[np.float64], a_right: NDArray[np.float64], b_left: NDArray[np.float64], b_right: NDArray[np.float64]
+) -> Iterator[tuple[_Rows, _Rows]]:
+    """Pairs of rows of a and b that share a stretch from left to right, a part of them at a time.
+
+    Of two such boxes one begins inside the other, which a look into the sorted beginnings finds."""
+    for begin, left, right, side, swapped in (
+        (b_left, a_left, a_right, "left", False),
+        (a_left, b_left, b_right, "right", True),
+    ):
+        order = np.argsort(begin, kind="stable")
+        low = np.searchsorted(begin[order], left, side=side)
+        high = np.searchsorted(begin[order], right, side="left")
+        for row, place in ranges_of(low, high):
+            yield (order[place], row) if swapped else (row, order[place])
+
+
+def ranges_of(low: _Rows, high: _Rows) -> Iterator[tuple[_Rows, _Rows]]:
+    """Each row (N,) with each place from its ``low`` (N,) up to before its ``high`` (N,): rows and places, flat, about
+    as many at a time as memory should hold."""
+    count = np.maximum(high - low, 0)
+    total = np.cumsum(count)
+    first = 0
+    while first < len(count):
+        done = int(total[first - 1]) if first else 0
+        last = max(first + 1, int(np.searchsorted(total, done + _CELLS_AT_ONCE, side="right")))
+        part = slice(first, last)
+        row = np.repeat(np.arange(first, last), count[part])
+        before = np.cumsum(count[part]) - count[part] - low[part]
+        yield row, np.arange(len(row)) - np.repeat(before, count[part])
+        first = last
 
 
 def pair_off(candidates: Candidates, *, a_count: int, b_count: int) -> tuple[_Rows, _Rows]:
     """Rows of a and rows of b, one to one, with the largest total weight (greedily in very large groups)."""
-    a, b = candidates.a, candidates.b
-    alone = (np.bincount(a, minlength=a_count)[a] == 1) & (np.bincount(b, minlength=b_count)[b] == 1)
+    turn = np.zeros(len(candidates.a), np.intp)
+    return pair_in_turn(candidates, turn, a_count=a_count, b_count=b_count)
+
+
+def pair_in_turn(candidates: Candidates, turn: NDArray[np.intp], *, a_count: int, b_count: int) -> tuple[_Rows, _Rows]:
+    """Like :func:`pair_off`, turn by turn: candidates of ``turn`` (P,) 0 first, then those of 1 with what is left."""
+    alone = _has_no_rival(candidates, a_count, b_count)
     if alone.all():
-        return a, b
-    rest = candidates[~alone]
-    a_rows, a_place = np.unique(rest.a, return_inverse=True)
-    b_rows, b_place = np.unique(rest.b, return_inverse=True)
+        return candidates.a, candidates.b
+    rest, turn = candidates[~alone], turn[~alone]
+    clear = _outweighs_rivals(rest, turn, a_count, b_count)
+    found_a, found_b = [candidates.a[alone], rest.a[clear]], [candidates.b[alone], rest.b[clear]]
+    free_a, free_b = np.ones(a_count, np.bool_), np.ones(b_count, np.bool_)
+    free_a[rest.a[clear]] = free_b[rest.b[clear]] = False
+    open_still = free_a[rest.a] & free_b[rest.b]
+    rest, turn = rest[open_still], turn[open_still]
+    for number in np.flatnonzero(np.bincount(turn)).tolist():
+        offered = (turn == number) & free_a[rest.a] & free_b[rest.b]
+        a, b = _pair_off_rivals(rest[offered], a_count, b_count)
+        free_a[a] = free_b[b] = False
+        found_a.append(a)
+        found_b.append(b)
+    return np.concatenate(found_a), np.concatenate(found_b)
+
+
+def _outweighs_rivals(candidates: Candidates, turn: NDArray[np.intp], a_count: int, b_count: int) -> NDArray[np.bool_]:
+    """(P,) whether a pair weighs as much as the heaviest rivals of both its members together: then none of them could
+    do better without it. A rival of an earlier turn outweighs everything, one of a later turn nothing."""
+    a, b, weight = candidates.a, candidates.b, candidates.weight
+    base = -_TURN_WEIGHT * turn
+    rank = base + weight
+    best_a, best_b = _largest(rank, a, a_count), _largest(rank, b, b_count)
+    first = np.flatnonzero((rank == best_a[a]) & (rank == best_b[b]))
+    for row, count in ((a, a_count), (b, b_count)):  # of equals one
+        chosen = np.full(count, -1, np.intp)
+        chosen[row[first]] = first
+        first = chosen[chosen >= 0]
+    others = np.ones(len(rank), np.bool_)
+    others[first] = False
+    rival_a = _largest(rank[others], a[others], a_count)[a[first]]
+    rival_b = _largest(rank[others], b[others], b_count)[b[first]]
+    against = np.maximum(rival_a - base[first], 0) + np.maximum(rival_b - base[first], 0)
+    outweighs = np.zeros(len(rank), np.bool_)
+    outweighs[first] = weight[first] >= against
+    return outweighs
+
+
+def _largest(values: NDArray[np.float64], row: _Rows, count: int) -> NDArray[np.float64]:
+    """(count,) the largest value of each row; -inf where it has none."""
+    largest = np.full(count, -np.inf)
+    np.maximum.at(largest, row, values)
+    return largest
+
+
+def _pair_off_rivals(candidates: Candidates, a_count: int, b_count: int) -> tuple[_Rows, _Rows]:
+    """Pairs among candidates that all compete."""
+    if len(candidates.a) <= 1:
+        return candidates.a, candidates.b
+    a_rows, a_place = _numbered(candidates.a, a_count)
+    b_rows, b_place = _numbered(candidates.b, b_count)
     if len(a_rows) * len(b_rows) <= _DENSE_CELLS:
-        found_a, found_b = _hungarian(a_place, b_place, rest.weight)
+        a, b = _hungarian(a_place, b_place, candidates.weight)
     else:
-        found_a, found_b = _pair_off_groups(Candidates(a_place, b_place, rest.weight), len(a_rows), len(b_rows))
-    return np.concatenate([a[alone], a_rows[found_a]]), np.concatenate([b[alone], b_rows[found_b]])
+        a, b = _pair_off_groups(Candidates(a_place, b_place, candidates.weight), len(a_rows), len(b_rows))
+    return a_rows[a], b_rows[b]
+
+
+def _has_no_rival(candidates: Candidates, a_count: int, b_count: int) -> NDArray[np.bool_]:
+    """(P,) whether both members of a pair have no other candidate."""
+    a, b = candidates.a, candidates.b
+    return (np.bincount(a, minlength=a_count)[a] == 1) & (np.bincount(b, minlength=b_count)[b] == 1)
+
+
+def _numbered(rows: _Rows, count: int) -> tuple[_Rows, _Rows]:
+    """The different rows, all below ``count``, in order, and the place (N,) of each row among them."""
+    is_there = np.zeros(count, np.bool_)
+    is_there[rows] = True
+    return np.flatnonzero(is_there), (np.cumsum(is_there) - 1)[rows]
 
 
 def _pair_off_groups(candidates: Candidates, a_count: int, b_count: int) -> tuple[_Rows, _Rows]:

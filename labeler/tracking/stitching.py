@@ -10,10 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labeler.tracking.config import TrackingConfig
-from labeler.tracking.pairing import Candidates, pair_off
+from labeler.tracking.pairing import Candidates, pair_off, ranges_of
 from labeler.tracking.smoothing import Paths
-
-_MAX_CANDIDATES = 2_000_000
 
 
 def find_continuations(
@@ -31,21 +29,22 @@ def find_continuations(
     first, last = paths.ends()
     continued = np.arange(len(first))
     begin_s, end_s = time_s[paths.frame[first]], time_s[paths.frame[last]]
-    by_begin = np.argsort(begin_s, kind="stable")
-    low = np.searchsorted(begin_s[by_begin], end_s, side="right")
-    high = np.searchsorted(begin_s[by_begin], end_s + config.max_stitch_s, side="right")
-    count = np.maximum(high - low, 0)
-    if count.sum() == 0 or count.sum() > _MAX_CANDIDATES:
+    joining = np.flatnonzero(may_join)
+    by_begin = joining[np.argsort(begin_s[joining], kind="stable")]
+    low = np.searchsorted(begin_s[by_begin], end_s[joining], side="right")
+    high = np.searchsorted(begin_s[by_begin], end_s[joining] + config.max_stitch_s, side="right")
+    found: list[Candidates] = []
+    for row, place in ranges_of(low, high):
+        a, b = joining[row], by_begin[place]
+        same = group[a] == group[b]
+        a, b = a[same], b[same]
+        half_gap_s = (begin_s[b] - end_s[a]) / 2
+        meeting = overlap_of_rows(paths[last[a]].boxes_after(half_gap_s), paths[first[b]].boxes_after(-half_gap_s))
+        close = meeting >= config.min_iou_stitch
+        found.append(Candidates(a[close], b[close], meeting[close]))
+    if not found:
         return continued
-    a = np.repeat(np.arange(len(first)), count)
-    offset = np.arange(len(a)) - np.repeat(np.cumsum(count) - count, count)
-    b = by_begin[np.repeat(low, count) + offset]
-    same = (group[a] == group[b]) & may_join[a] & may_join[b]
-    a, b = a[same], b[same]
-    half_gap_s = (begin_s[b] - end_s[a]) / 2
-    meeting = overlap_of_rows(paths[last[a]].boxes_after(half_gap_s), paths[first[b]].boxes_after(-half_gap_s))
-    close = meeting >= config.min_iou_stitch
-    ends, beginnings = pair_off(Candidates(a[close], b[close], meeting[close]), a_count=len(first), b_count=len(first))
+    ends, beginnings = pair_off(Candidates.of_parts(found), a_count=len(first), b_count=len(first))
     order = np.argsort(begin_s[beginnings], kind="stable")
     for end, beginning in zip(ends[order].tolist(), beginnings[order].tolist(), strict=True):
         continued[beginning] = continued[end]

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from labeler.geometry.boxes_2d import area, intersection_matrix
+from labeler.geometry.boxes_2d import area
+from labeler.tracking.pairing import ranges_of
 
 _Array = NDArray[np.float64]
 
@@ -89,13 +90,28 @@ def _time_to_nearest(boxes: JudgedBoxes, place: NDArray[np.intp], sure: NDArray[
 
 def _covered_shares(boxes: JudgedBoxes) -> _Array:
     """(N,) the largest share of each box that one of another track covers in the same image."""
-    covered = np.zeros(len(boxes.frame))
-    order = np.argsort(boxes.frame, kind="stable")
-    for rows in np.split(order, np.flatnonzero(np.diff(boxes.frame[order])) + 1):
-        xyxy_px = boxes.xyxy_px[rows]
-        for part in np.array_split(np.arange(len(rows)), 1 + len(rows) ** 2 // 1_000_000):
-            shared = intersection_matrix(xyxy_px[part], xyxy_px)
-            shared[np.arange(len(part)), part] = 0
-            own = np.maximum(area(xyxy_px[part]), 1e-9)
-            covered[rows[part]] = shared.max(axis=1, initial=0) / own
-    return np.minimum(covered, 1.0)
+    xyxy_px = boxes.xyxy_px
+    left, right = _places_from_left(boxes)
+    order = np.argsort(left, kind="stable")
+    begins = left[order]
+    covered = np.zeros(len(left))
+    # of two boxes that overlap one begins inside the other: between the first's left side and its right one
+    for row, place in ranges_of(np.arange(1, len(left) + 1), np.searchsorted(begins, right[order])):
+        a, b = order[row], order[place]
+        sides = np.minimum(xyxy_px[a, 2:], xyxy_px[b, 2:]) - np.maximum(xyxy_px[a, :2], xyxy_px[b, :2])
+        over = (sides > 0).all(axis=1)
+        shared = sides[over].prod(axis=1)
+        np.maximum.at(covered, a[over], shared)
+        np.maximum.at(covered, b[over], shared)
+    return np.minimum(covered / np.maximum(area(xyxy_px), 1e-9), 1.0)
+
+
+def _places_from_left(boxes: JudgedBoxes) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """(N,) and (N,) the places of each box's left and right side in a row of all sides, image after image, from left to
+    right. Where sides of one image lie at the same x, right ones come first, since these boxes only touch."""
+    count = len(boxes.frame)
+    x_px = np.concatenate([boxes.xyxy_px[:, 0], boxes.xyxy_px[:, 2]])
+    is_left = np.repeat([1, 0], count)
+    place = np.empty(2 * count, np.int64)
+    place[np.lexsort((is_left, x_px, np.tile(boxes.frame, 2)))] = np.arange(2 * count)
+    return place[:count], place[count:]

@@ -10,6 +10,7 @@ The state of all tracks is a few arrays, so the cost of an image hardly grows wi
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import count
 
@@ -19,10 +20,14 @@ from numpy.typing import NDArray
 from labeler.tracking.box_filters import BoxFilters
 from labeler.tracking.config import TrackingConfig
 from labeler.tracking.frames import NS_PER_S, check_order, groups_of, sound_rows
-from labeler.tracking.pairing import Candidates, overlapping, pair_off
+from labeler.tracking.pairing import overlapping, pair_in_turn
 from labeler.tracking.types import DetectedFrame, Observations
 
 _Rows = NDArray[np.intp]
+
+_TRACK_ID, _GROUP, _LAST_SEEN_NS, _IS_WEAK = range(4)
+_FACTS = 4
+"""What is known of each live track besides its motion, a row each of one array: columns come and go together."""
 
 
 class TwoStageTracker:
@@ -35,7 +40,6 @@ class TwoStageTracker:
     def __init__(self, config: TrackingConfig, *, class_groups: Sequence[int]) -> None:
         self._config = config
         self._class_groups = np.asarray(class_groups, np.int64)
-        self._one_group = len(np.unique(self._class_groups)) <= 1
         self.rejected_count = 0
 
     def track(self, frames: Iterable[DetectedFrame], *, first_track_id: int) -> Iterator[Observations]:
@@ -54,79 +58,87 @@ class TwoStageTracker:
             group = groups_of(frame, rows, self._class_groups)
             boxes = frame.detections.xyxy_px[rows].astype(np.float64)
             live.move_to(frame.timestamp_ns)
-            track_id = live.feed(boxes, frame.detections.score[rows], group)
+            track_id, _ = live.feed(boxes, frame.detections.score[rows], group)
             fed = track_id >= 0
             yield _observations(frame, rows[fed], track_id[fed])
             previous = frame
 
 
 class LiveTracks:
-    """The tracks that have not ended, as arrays over rows. ``new_ids`` names those that begin."""
+    """The tracks that have not ended, as arrays over columns. ``new_ids`` names those that begin.
 
-    def __init__(self, config: TrackingConfig, new_ids: Iterator[int]) -> None:
+    With ``weak_score``, what is left over forms tracks of its own, which a detection of at least that score begins.
+    They never take a detection from the others, nor one that is sure.
+    """
+
+    def __init__(self, config: TrackingConfig, new_ids: Iterator[int], *, weak_score: float = math.inf) -> None:
         self._config = config
         self._new_ids = new_ids
+        self._weak_score = weak_score
         self._now_ns = 0
         self._max_coast_ns = round(config.max_coast_s * NS_PER_S)
-        self.filters = BoxFilters(config)
-        self.track_id = np.zeros(0, np.int32)
-        self.group = np.zeros(0, np.int64)
-        self.last_seen_ns = np.zeros(0, np.int64)
+        self._filters = BoxFilters(config)
+        self._known = np.zeros((_FACTS, 0), np.int64)
 
     def move_to(self, timestamp_ns: int) -> None:
         """End the tracks that have not been seen for too long, and predict where the others are."""
-        staying = self.last_seen_ns >= timestamp_ns - self._max_coast_ns
+        staying = self._known[_LAST_SEEN_NS] >= timestamp_ns - self._max_coast_ns
         if not staying.all():
-            self.filters.keep(staying)
-            self.track_id, self.group = self.track_id[staying], self.group[staying]
-            self.last_seen_ns = self.last_seen_ns[staying]
-        if len(self.track_id):
-            self.filters.predict((timestamp_ns - self._now_ns) / NS_PER_S)
+            self._filters.keep(staying)
+            self._known = self._known.compress(staying, axis=1)
+        if len(self._filters):
+            self._filters.predict((timestamp_ns - self._now_ns) / NS_PER_S)
         self._now_ns = timestamp_ns
 
     def feed(
         self, xyxy_px: NDArray[np.float64], score: NDArray[np.float32], group: NDArray[np.int64]
-    ) -> NDArray[np.int32]:
-        """(N,) the track of each detection of the present moment, old or new; -1 for those that feed none."""
-        track_id = np.full(len(score), -1, np.int32)
+    ) -> tuple[NDArray[np.int32], NDArray[np.bool_]]:
+        """(N,) the track of each detection of the present moment, old or new, -1 for those that feed none; and (N,)
+        whether it is left over: in no track, or in a weak one."""
         sure = score >= self._config.sure_score
-        if len(self.track_id) and len(score):
-            tracks, rows = self._pair(xyxy_px, sure, group)
-            self.filters.update(tracks, xyxy_px[rows])
-            self.last_seen_ns[tracks] = self._now_ns
-            track_id[rows] = self.track_id[tracks]
-        born = np.flatnonzero(sure & (track_id < 0))
+        may_begin = sure | (score >= self._weak_score)
+        column = np.full(len(score), -1, np.intp)
+        if len(self._filters) and len(score):
+            columns, rows = self._pair(xyxy_px, sure, may_begin, group)
+            self._filters.update(columns, xyxy_px[rows])
+            self._known[_LAST_SEEN_NS, columns] = self._now_ns
+            column[rows] = columns
+        born = np.flatnonzero(may_begin & (column < 0))
         if len(born):
-            track_id[born] = self._begin(xyxy_px[born], group[born])
-        return track_id
+            born = born[np.argsort(~sure[born], kind="stable")]  # sure ones are numbered first
+            column[born] = len(self._filters) + np.arange(len(born))
+            self._begin(xyxy_px[born], group[born], ~sure[born])
+        fed = column >= 0
+        track_id, left_over = np.full(len(score), -1, np.int32), np.ones(len(score), np.bool_)
+        track_id[fed] = self._known[_TRACK_ID, column[fed]]
+        left_over[fed] = self._known[_IS_WEAK, column[fed]] == 1
+        return track_id, left_over
 
     def _pair(
-        self, xyxy_px: NDArray[np.float64], sure: NDArray[np.bool_], group: NDArray[np.int64]
+        self,
+        xyxy_px: NDArray[np.float64],
+        sure: NDArray[np.bool_],
+        may_begin: NDArray[np.bool_],
+        group: NDArray[np.int64],
     ) -> tuple[_Rows, _Rows]:
-        """Rows of tracks and rows of detections that belong together."""
+        """Columns of tracks and rows of detections that belong together."""
+        least_sure, least_weak = self._config.min_iou_sure, self._config.min_iou_weak
         corners = np.ascontiguousarray(xyxy_px.T)
-        least = np.where(sure, self._config.min_iou_sure, self._config.min_iou_weak)
-        near = overlapping(*self.filters.corners_px(), corners[:2], corners[2:], min_iou=least.min())
-        near = near[(self.group[near.a] == group[near.b]) & (near.weight >= least[near.b])]
-        is_sure = sure[near.b]
-        if is_sure.all():
-            return self._pair_off(near, len(sure))
-        tracks, rows = self._pair_off(near[is_sure], len(sure))
-        waiting = np.ones(len(self.track_id), np.bool_)
-        waiting[tracks] = False
-        weak_tracks, weak_rows = self._pair_off(near[waiting[near.a] & ~is_sure], len(sure))
-        return np.concatenate([tracks, weak_tracks]), np.concatenate([rows, weak_rows])
+        near = overlapping(*self._filters.corners_px(), corners[:2], corners[2:], min_iou=min(least_sure, least_weak))
+        of_weak = self._known[_IS_WEAK, near.a]
+        firm = np.where(of_weak, may_begin[near.b], sure[near.b])
+        fits = near.weight >= np.where(firm, least_sure, least_weak)
+        fits &= (of_weak == 0) | ~sure[near.b]
+        fits &= self._known[_GROUP, near.a] == group[near.b]
+        turn = 2 * of_weak + ~firm  # sure tracks before weak ones; in each, firm detections before the others
+        return pair_in_turn(near[fits], turn[fits], a_count=len(self._filters), b_count=len(sure))
 
-    def _pair_off(self, candidates: Candidates, detection_count: int) -> tuple[_Rows, _Rows]:
-        return pair_off(candidates, a_count=len(self.track_id), b_count=detection_count)
-
-    def _begin(self, xyxy_px: NDArray[np.float64], group: NDArray[np.int64]) -> NDArray[np.int32]:
-        track_id = np.fromiter(self._new_ids, np.int32, count=len(group))
-        self.filters.add(xyxy_px)
-        self.track_id = np.concatenate([self.track_id, track_id])
-        self.group = np.concatenate([self.group, group])
-        self.last_seen_ns = np.concatenate([self.last_seen_ns, np.full(len(group), self._now_ns, np.int64)])
-        return track_id
+    def _begin(self, xyxy_px: NDArray[np.float64], group: NDArray[np.int64], weak: NDArray[np.bool_]) -> None:
+        new = np.empty((_FACTS, len(group)), np.int64)
+        new[_TRACK_ID] = np.fromiter(self._new_ids, np.int64, count=len(group))
+        new[_GROUP], new[_LAST_SEEN_NS], new[_IS_WEAK] = group, self._now_ns, weak
+        self._known = np.concatenate([self._known, new], axis=1)
+        self._filters.add(xyxy_px)
 
 
 def _observations(frame: DetectedFrame, rows: _Rows, track_id: NDArray[np.int32]) -> Observations:

@@ -16,11 +16,13 @@ NO_TRACK = -1
 
 @dataclass(frozen=True, eq=False)
 class TrackedFrame:
-    """A frame, the rows (M,) of its detections that can be used, their groups, the track of each or NO_TRACK, and
-    whether it is left over from the sure tracks."""
+    """A frame, the rows (M,) of its detections that can be used, their boxes (M, 4), scores and groups, the track of
+    each or NO_TRACK, and whether it is left over from the sure tracks."""
 
     frame: DetectedFrame
     rows: NDArray[np.intp]
+    xyxy_px: NDArray[np.float64]
+    score: NDArray[np.float32]
     group: NDArray[np.int64]
     track_id: NDArray[np.int32]
     is_weak: NDArray[np.bool_]
@@ -30,13 +32,14 @@ class TrackedFrame:
 class Window:
     """F frames and their D usable detections, in order of frames.
 
-    ``time_s`` (F,) counts from the first frame, ``start`` (F + 1,) is where each frame's detections begin. Of each
-    detection: ``frame`` (D,) in the window, ``row`` (D,) in its frame, ``xyxy_px`` (D, 4) float64, ``score`` (D,),
-    ``class_id`` (D,), ``group`` (D,), ``track_id`` (D,) or NO_TRACK, and ``is_weak`` (D,): left
-    over from the sure tracks.
+    ``time_s`` (F,) counts from the first frame, ``frame_index`` (F,) is each frame's in the drive, ``start`` (F + 1,)
+    is where each frame's detections begin. Of each detection: ``frame`` (D,) in the window, ``row`` (D,) in its frame,
+    ``xyxy_px`` (D, 4) float64, ``score`` (D,), ``class_id`` (D,), ``group`` (D,), ``track_id`` (D,) or NO_TRACK, and
+    ``is_weak`` (D,): left over from the sure tracks.
     """
 
     time_s: NDArray[np.float64]
+    frame_index: NDArray[np.int32]
     start: NDArray[np.intp]
     frame: NDArray[np.int64]
     row: NDArray[np.intp]
@@ -51,19 +54,15 @@ class Window:
     def of(frames: Sequence[TrackedFrame]) -> Window:
         counts = np.array([len(one.rows) for one in frames], np.intp)
         first_ns = frames[0].frame.timestamp_ns
-        detections = [one.frame.detections for one in frames]
         return Window(
             time_s=np.array([one.frame.timestamp_ns - first_ns for one in frames], np.float64) / NS_PER_S,
+            frame_index=np.array([one.frame.frame_index for one in frames], np.int32),
             start=np.concatenate([np.zeros(1, np.intp), np.cumsum(counts)]),
             frame=np.repeat(np.arange(len(frames)), counts),
             row=np.concatenate([one.rows for one in frames]),
-            xyxy_px=np.concatenate([of.xyxy_px[one.rows] for of, one in zip(detections, frames, strict=True)]).astype(
-                np.float64
-            ),
-            score=np.concatenate([of.score[one.rows] for of, one in zip(detections, frames, strict=True)]).astype(
-                np.float64
-            ),
-            class_id=np.concatenate([of.class_id[one.rows] for of, one in zip(detections, frames, strict=True)]),
+            xyxy_px=np.concatenate([one.xyxy_px for one in frames]),
+            score=np.concatenate([one.score for one in frames]).astype(np.float64),
+            class_id=np.concatenate([one.frame.detections.class_id[one.rows] for one in frames]),
             group=np.concatenate([one.group for one in frames]),
             track_id=np.concatenate([one.track_id for one in frames]),
             is_weak=np.concatenate([one.is_weak for one in frames]),

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from labeler.tracking import TrackingConfig
-from labeler.tracking.box_filters import BoxFilters
+from labeler.tracking.box_filters import SPEED, BoxFilters
 from labeler.tracking.motion import BoxMotion, TimeStep
 
 
@@ -36,12 +36,12 @@ def test_equals_the_filter_of_each_box(config: TrackingConfig) -> None:
             each[row].update(boxes[row])
         all_at_once.update(seen, boxes[seen])
     np.testing.assert_allclose(all_at_once.xyxy_px, [motion.xyxy_px for motion in each])
-    np.testing.assert_allclose(all_at_once.speed.reshape(4, 5).T, [motion.velocity_px_s for motion in each], atol=1e-9)
+    np.testing.assert_allclose(all_at_once.state[SPEED].T, [motion.velocity_px_s for motion in each], atol=1e-9)
 
 
 def test_keeps_the_chosen_ones() -> None:
     filters = BoxFilters(TrackingConfig())
     filters.add(np.array([[0.0, 0, 10, 10], [20, 0, 30, 10], [40, 0, 50, 10]]))
-    filters.keep(np.array([2, 0]))
+    filters.keep(np.array([False, True, True]))
     assert len(filters) == 2
-    assert filters.xyxy_px.tolist() == [[40, 0, 50, 10], [0, 0, 10, 10]]
+    assert filters.xyxy_px.tolist() == [[20, 0, 30, 10], [40, 0, 50, 10]]

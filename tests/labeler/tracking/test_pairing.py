@@ -8,7 +8,7 @@ from scipy.optimize import linear_sum_assignment
 
 from labeler.geometry.boxes_2d import iou_matrix
 from labeler.tracking import pairing
-from labeler.tracking.pairing import Candidates, overlapping, pair_off
+from labeler.tracking.pairing import Candidates, overlapping, pair_in_turn, pair_off
 
 
 def candidates(*rows: tuple[int, int, float]) -> Candidates:
@@ -28,6 +28,8 @@ def pairs(found: tuple[np.ndarray, np.ndarray]) -> dict[int, int]:
         (candidates((0, 0, 0.9), (1, 0, 0.8)), {0: 0}),  # two for one
         (candidates((0, 0, 0.5), (0, 1, 0.6), (1, 1, 0.9)), {0: 0, 1: 1}),  # .5 + .9 beats .6 alone
         (candidates((0, 0, 0.9), (0, 1, 0.8), (1, 0, 0.8)), {0: 1, 1: 0}),  # .8 + .8 beats the best single pair
+        (candidates((0, 0, 0.9), (0, 1, 0.4), (1, 0, 0.5)), {0: 0}),  # .9 is as much as .4 + .5
+        (candidates((0, 0, 0.5), (0, 1, 0.5), (1, 1, 0.5)), {0: 0, 1: 1}),  # equals
     ],
 )
 def test_pairs_by_hand(offered: Candidates, expected: dict[int, int]) -> None:
@@ -54,21 +56,50 @@ def test_the_total_is_the_largest(rows: list[tuple[int, int, float]], grouped: b
 def test_a_very_large_group_is_paired_greedily(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(pairing, "_DENSE_CELLS", 0)
     monkeypatch.setattr(pairing, "_HUNGARIAN_CELLS", 0)
-    offered = candidates((0, 0, 0.9), (0, 1, 0.8), (1, 0, 0.8), (2, 2, 0.3), (2, 3, 0.3))
+    offered = candidates((0, 0, 0.9), (0, 1, 0.8), (1, 0, 0.8), (2, 2, 0.3), (2, 3, 0.2))
     assert pairs(pair_off(offered, a_count=3, b_count=4)) == {0: 0, 2: 2}
 
 
-def test_candidates_are_the_pairs_that_overlap_enough(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Also where there are so many that they are looked at in parts."""
-    monkeypatch.setattr(pairing, "_CELLS_AT_ONCE", 100)
+@pytest.mark.parametrize(
+    ("compare_all", "at_once"),
+    [
+        (10_000, 10_000),  # all with all
+        (0, 10_000),  # only those beside each other
+        (0, 100),  # so many of these that they are looked at in parts
+        (0, 1),  # less than one row has
+    ],
+)
+def test_candidates_are_the_pairs_that_overlap_enough(
+    compare_all: int, at_once: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also boxes that begin or end at the same place, or are one and the same."""
+    monkeypatch.setattr(pairing, "_COMPARE_ALL_CELLS", compare_all)
+    monkeypatch.setattr(pairing, "_CELLS_AT_ONCE", at_once)
     random = np.random.default_rng(0)
-    corners = random.uniform(0, 100, (2, 70, 2))
-    a, b = np.concatenate([corners, corners + random.uniform(5, 40, corners.shape)], axis=2)
+    corners = random.integers(0, 100, (2, 70, 2)).astype(np.float64)
+    a, b = np.concatenate([corners, corners + random.integers(5, 40, corners.shape)], axis=2)
+    b[:5] = a[:5]
     found = overlapping(a[:, :2].T, a[:, 2:].T, b[:, :2].T, b[:, 2:].T, min_iou=0.2)
+    order = np.lexsort((found.b, found.a))
     iou = iou_matrix(a, b)
     expected = np.argwhere(iou >= 0.2)
-    np.testing.assert_array_equal(np.stack([found.a, found.b], axis=1), expected)
-    np.testing.assert_allclose(found.weight, iou[tuple(expected.T)])
+    np.testing.assert_array_equal(np.stack([found.a, found.b], axis=1)[order], expected)
+    np.testing.assert_allclose(found.weight[order], iou[tuple(expected.T)])
+
+
+@pytest.mark.parametrize(
+    ("rows", "turns", "expected"),
+    [
+        # the first turn chooses, though the second has more to offer; row 1 of a gets what is left
+        ([(0, 0, 0.2), (1, 0, 0.9), (1, 1, 0.3)], [0, 1, 1], {0: 0, 1: 1}),
+        # within a turn the largest total counts
+        ([(0, 0, 0.9), (0, 1, 0.8), (1, 0, 0.8)], [1, 1, 1], {0: 1, 1: 0}),
+        # who has no rival needs no turn
+        ([(0, 0, 0.9), (1, 1, 0.1), (2, 0, 0.8)], [0, 3, 2], {0: 0, 1: 1}),
+    ],
+)
+def test_turns_by_hand(rows: list[tuple[int, int, float]], turns: list[int], expected: dict[int, int]) -> None:
+    assert pairs(pair_in_turn(candidates(*rows), np.array(turns), a_count=3, b_count=3)) == expected
 
 
 @pytest.mark.parametrize(("a_count", "b_count"), [(0, 0), (0, 3), (3, 0)])

@@ -6,11 +6,15 @@ from filterpy.kalman import KalmanFilter
 from labeler.tracking import TrackingConfig
 from labeler.tracking.smoothing import TrackBoxes, smooth
 
-CONFIG = TrackingConfig(smooth_growth_ratio=0.0)  # the noise follows the box's size, which then stays the same
+# without growth the noise, which follows the box's size, stays the same; following back asks for variances too
+CONFIG = TrackingConfig(smooth_growth_ratio=0.0, follow_back=True)
 
 
-def expected_x(x: np.ndarray, seen: np.ndarray, noise: np.ndarray, time_s: np.ndarray, size: float) -> np.ndarray:
-    """(F,) smooth centre x of a box whose size does not change, by filterpy."""
+def expected_x(
+    x: np.ndarray, seen: np.ndarray, noise: np.ndarray, time_s: np.ndarray, size: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """(F, 2) smooth centre x and its speed of a box whose size does not change, and (F, 2) their variances, by
+    filterpy."""
     error = (CONFIG.smooth_measurement_std_sizes * size * noise) ** 2
     density = (CONFIG.smooth_speed_change_std_sizes * size) ** 2
     one = KalmanFilter(dim_x=2, dim_z=1)
@@ -29,8 +33,8 @@ def expected_x(x: np.ndarray, seen: np.ndarray, noise: np.ndarray, time_s: np.nd
         covariances.append(one.P)
         transitions.append(one.F)
         noises.append(one.Q)
-    means, *_ = one.rts_smoother(np.array(means), np.array(covariances), transitions, noises)
-    return means[:, 0, 0]
+    smooth_means, smooth_covariances, *_ = one.rts_smoother(np.array(means), np.array(covariances), transitions, noises)
+    return smooth_means[:, :, 0], np.diagonal(smooth_covariances, axis1=1, axis2=2)
 
 
 def test_equals_filterpy() -> None:
@@ -50,8 +54,11 @@ def test_equals_filterpy() -> None:
         rows = paths.track == number
         span = np.arange(own[0], own[-1] + 1)
         assert paths.frame[rows].tolist() == span.tolist()
-        expected = expected_x(of_x[span], np.isin(span, own), of_noise[span], time_s[span], 40.0)
-        np.testing.assert_allclose(paths.position[rows, 0], expected)
+        means, variances = expected_x(of_x[span], np.isin(span, own), of_noise[span], time_s[span], 40.0)
+        np.testing.assert_allclose(paths.position[rows, 0], means[:, 0])
+        np.testing.assert_allclose(paths.speed[rows, 0], means[:, 1])
+        np.testing.assert_allclose(paths.variance[rows, 0], variances[:, 0])
+        np.testing.assert_allclose(paths.speed_variance[rows, 0], variances[:, 1])
         np.testing.assert_allclose(paths.xyxy_px[rows][:, 2] - paths.xyxy_px[rows][:, 0], 40.0)
 
 

@@ -1,7 +1,10 @@
 """Features worked out by hand, and what the model makes of them."""
 
 import numpy as np
+import pytest
 
+from labeler.geometry.boxes_2d import area, intersection_matrix
+from labeler.tracking import pairing
 from labeler.tracking.trust import FEATURES, JudgedBoxes, features_of, trust_of
 
 
@@ -29,6 +32,22 @@ def test_features_by_hand() -> None:
     }
     for name in FEATURES:
         np.testing.assert_allclose(found[name], expected[name], atol=1e-12, err_msg=name)
+
+
+def test_the_share_that_others_cover(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Against every pair of boxes, in three images, a few pairs at a time; some boxes share sides or are equal."""
+    monkeypatch.setattr(pairing, "_CELLS_AT_ONCE", 50)
+    random = np.random.default_rng(0)
+    upper_left = random.integers(0, 60, (90, 2)).astype(np.float64)
+    xyxy_px = np.concatenate([upper_left, upper_left + random.integers(5, 30, (90, 2))], axis=1)
+    xyxy_px[5] = xyxy_px[4]
+    frame = np.arange(90) // 30
+    boxes = JudgedBoxes(np.arange(90), frame, frame * 0.1, np.full(90, 0.5), np.ones(90), xyxy_px)
+    shared = intersection_matrix(xyxy_px, xyxy_px) * (frame[:, None] == frame)
+    np.fill_diagonal(shared, 0)
+    expected = shared.max(axis=1) / area(xyxy_px)
+    assert expected[4] == 1
+    np.testing.assert_allclose(features_of(boxes)[:, FEATURES.index("covered")], expected)
 
 
 def test_nothing_to_judge() -> None:
