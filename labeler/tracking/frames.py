@@ -25,10 +25,9 @@ def check_order(previous: DetectedFrame | None, frame: DetectedFrame) -> None:
 
 def sound_rows(detections: Detections) -> NDArray[np.intp]:
     """Rows with a finite score and a finite box that has an area."""
-    xyxy = detections.xyxy_px
+    x1, y1, x2, y2 = detections.xyxy_px.T.astype(np.float64)
     with np.errstate(invalid="ignore"):
-        sound = np.isfinite(detections.score) & np.isfinite(xyxy).all(axis=1)
-        sound &= (xyxy[:, 2:] > xyxy[:, :2]).all(axis=1)
+        sound = np.isfinite(x1 + y1 + x2 + y2 + detections.score) & (x2 > x1) & (y2 > y1)
     return np.flatnonzero(sound)
 
 

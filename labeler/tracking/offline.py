@@ -30,7 +30,7 @@ from labeler.tracking.window import NO_TRACK, TrackedFrame, Window
 
 Judge = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
-_FRAMES_AT_ONCE = 200
+_FRAMES_AT_ONCE = 400
 """Frames that are given out together: more would wait for no better answer, fewer would do more twice."""
 
 _LEAST_SCORE = 0.05

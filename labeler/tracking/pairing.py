@@ -23,7 +23,7 @@ _COMPARE_ALL_CELLS = 8_000
 _CELLS_AT_ONCE = 250_000
 _DENSE_CELLS = 40_000
 _HUNGARIAN_CELLS = 1_000_000
-_TURN_WEIGHT = 10.0
+_FIRST_TURN, _TURN = 1000.0, 10.0  # weights are at most 1, so a pair of an earlier turn ranks before any of a later
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +66,7 @@ def overlapping(
     if a_count * b_count <= _COMPARE_ALL_CELLS:
         sides = np.minimum(a_lower_right[:, :, None], b_lower_right[:, None, :])
         sides -= np.maximum(a_upper_left[:, :, None], b_upper_left[:, None, :])
-        a, b = (sides > 0).all(axis=0).nonzero()
+        a, b = ((sides[0] > 0) & (sides[1] > 0)).nonzero()
         parts = [(a, b)]
     else:
         parts = list(_beside_each_other(a_upper_left[0], a_lower_right[0], b_upper_left[0], b_lower_right[0]))
@@ -97,12 +97,9 @@ def _beside_each_other(
     """Pairs of rows of a and b that share a stretch from left to right, a part of them at a time.
 
     Of two such boxes one begins inside the other, which a look into the sorted beginnings finds."""
-    for begin, left, right, side, swapped in (
-        (b_left, a_left, a_right, "left", False),
-        (a_left, b_left, b_right, "right", True),
-    ):
+    for begin, left, right, swapped in ((b_left, a_left, a_right, False), (a_left, b_left, b_right, True)):
         order = np.argsort(begin, kind="stable")
-        low = np.searchsorted(begin[order], left, side=side)
+        low = np.searchsorted(begin[order], left, side="right" if swapped else "left")
         high = np.searchsorted(begin[order], right, side="left")
         for row, place in ranges_of(low, high):
             yield (order[place], row) if swapped else (row, order[place])
@@ -155,14 +152,14 @@ def _outweighs_rivals(candidates: Candidates, turn: NDArray[np.intp], a_count: i
     """(P,) whether a pair weighs as much as the heaviest rivals of both its members together: then none of them could
     do better without it. A rival of an earlier turn outweighs everything, one of a later turn nothing."""
     a, b, weight = candidates.a, candidates.b, candidates.weight
-    base = -_TURN_WEIGHT * turn
+    base = _FIRST_TURN - _TURN * turn
     rank = base + weight
     best_a, best_b = _largest(rank, a, a_count), _largest(rank, b, b_count)
     first = np.flatnonzero((rank == best_a[a]) & (rank == best_b[b]))
     for row, count in ((a, a_count), (b, b_count)):  # of equals one
-        chosen = np.full(count, -1, np.intp)
+        chosen = np.empty(count, np.intp)
         chosen[row[first]] = first
-        first = chosen[chosen >= 0]
+        first = first[chosen[row[first]] == first]
     others = np.ones(len(rank), np.bool_)
     others[first] = False
     rival_a = _largest(rank[others], a[others], a_count)[a[first]]
@@ -174,8 +171,8 @@ def _outweighs_rivals(candidates: Candidates, turn: NDArray[np.intp], a_count: i
 
 
 def _largest(values: NDArray[np.float64], row: _Rows, count: int) -> NDArray[np.float64]:
-    """(count,) the largest value of each row; -inf where it has none."""
-    largest = np.full(count, -np.inf)
+    """(count,) the largest of the values, above 0, of each row; 0 where it has none."""
+    largest = np.zeros(count)
     np.maximum.at(largest, row, values)
     return largest
 

@@ -14,9 +14,7 @@ def measured(monkeypatch: pytest.MonkeyPatch) -> None:
     def measure(**_: object) -> TrackerTimes:
         speeds = zip(OBJECTS, (2500.0, 1250.5, 800.0, 300.0), strict=True)
         rows = [TrackerRow(tracker="ours", objects=count, frames_per_cpu_second=speed) for count, speed in speeds]
-        absent = SkippedTracker(
-            tracker="motpy", reason="motpy is not installed: pip install 'hindsight-labeler[bench]'"
-        )
+        absent = SkippedTracker(tracker="motpy", reason="motpy is not installed: pip install it")
         return TrackerTimes(rows=rows, skipped=[absent], versions={}, frames=20, runs=1, seed=0)
 
     monkeypatch.setattr("app.commands.benchmark.benchmark_trackers", measure)

@@ -41,8 +41,8 @@ def test_the_share_that_others_cover(monkeypatch: pytest.MonkeyPatch) -> None:
     upper_left = random.integers(0, 60, (90, 2)).astype(np.float64)
     xyxy_px = np.concatenate([upper_left, upper_left + random.integers(5, 30, (90, 2))], axis=1)
     xyxy_px[5] = xyxy_px[4]
-    frame = np.arange(90) // 30
-    boxes = JudgedBoxes(np.arange(90), frame, frame * 0.1, np.full(90, 0.5), np.ones(90), xyxy_px)
+    frame = np.repeat(np.arange(3), 30)
+    boxes = JudgedBoxes(np.arange(90), frame, np.repeat([0.0, 0.1, 0.2], 30), np.full(90, 0.5), np.ones(90), xyxy_px)
     shared = intersection_matrix(xyxy_px, xyxy_px) * (frame[:, None] == frame)
     np.fill_diagonal(shared, 0)
     expected = shared.max(axis=1) / area(xyxy_px)
