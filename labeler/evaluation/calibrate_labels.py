@@ -183,7 +183,7 @@ def _knots(values: NDArray[np.float64], name: str) -> NDArray[np.float64]:
         return np.array([0.0, 1.0])
     knots = np.unique(np.round(np.quantile(values, np.linspace(0.01, 0.99, _MAX_KNOTS)), 3))
     if len(knots) < _MAX_KNOTS // 2:
-        knots = np.unique(np.round(np.linspace(values.min(), values.max(), _MAX_KNOTS // 2), 3))
+        knots = np.unique(np.round(np.linspace(float(values.min()), float(values.max()), _MAX_KNOTS // 2), 3))
     return knots if len(knots) > 1 else np.array([knots[0], knots[0] + 1.0])
 
 

@@ -129,6 +129,13 @@ export const histogramQuery = ({ id, revision }: Pick<DriveDetail, "id" | "revis
     placeholderData: keepPreviousData,
   });
 
+/** The last audit of the labels as they are; null where there is none. Decisions of people don't change it. */
+export const auditQuery = (id: number) =>
+  queryOptions({
+    queryKey: ["drive", id, "audit"],
+    queryFn: ({ signal }) => unwrap(api.GET("/api/drives/{drive_id}/audit", { ...at(id), signal })),
+  });
+
 /** Distances and failed checks of identities, for each revision of them. */
 export const factsQuery = ({ id, revision }: Pick<DriveDetail, "id" | "revision">) =>
   queryOptions({

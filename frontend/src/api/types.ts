@@ -26,6 +26,7 @@ export interface DriveRevision {
 }
 export type Job = Schemas["Job"];
 export type Export = Schemas["Export"];
+export type AuditBin = Schemas["AuditBin"];
 export type LabelHistogram = Schemas["LabelHistogram"];
 export type IdentityFacts = Schemas["IdentityFacts"];
 export type PrecisionRecallCurve = Schemas["PrecisionRecallCurve"];

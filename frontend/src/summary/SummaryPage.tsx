@@ -12,6 +12,7 @@ import { Notice } from "../app/Notice";
 import { LabelButton } from "../drives/LabelButton";
 import { CHECKS, isReviewed, NO_FILTER, writeFilter } from "../review/identities/filter";
 import { text } from "../strings";
+import { AuditTable } from "./AuditTable";
 import { SourceLegend } from "./DistanceBars";
 import { byClass, scores } from "./histogram";
 import { Bars, PairedBars } from "./Plots";
@@ -114,6 +115,9 @@ function Content({ drive }: { drive: DriveDetail }) {
             <SourceLegend sources={data.sources} />
           </Card>
           <Scores histogram={data} />
+          <Card name={text.summary.auditTitle}>
+            <AuditTable drive={drive} />
+          </Card>
         </div>
       </div>
     </>
