@@ -1,0 +1,103 @@
+import { plural } from "../app/format";
+
+export const review = {
+  loading: "Opening the drive…",
+  loadFailed: "The drive could not be opened",
+  notLabelled: "This drive has no labels yet: you see the pictures only.",
+  labellingNow: "Labels are being made. They appear here by themselves.",
+  failed: "Labelling this drive failed.",
+  warnings: (n: number) => plural(n, "warning"),
+  panel: "Review panel",
+  tabs: { merges: "Merges", identities: "Identities", selected: "Selected", export: "Export" },
+  resizePanel: "Resize the side panel",
+  frame: (i: number, n: number) => `Frame ${i + 1} of ${n}`,
+  showKeys: "Show the keys",
+} as const;
+
+export const cameras = {
+  name: "Cameras",
+  colourBy: "Colour by",
+  colourings: { identity: "Identity", class: "Class", score: "Score", provenance: "Origin" },
+  provenances: {
+    own: "own look",
+    sameCamera: "another look, same camera",
+    otherCamera: "another camera",
+    human: "a person",
+  },
+  adjust: "Brightness, contrast, gamma",
+  adjustments: { brightness: "Brightness", contrast: "Contrast", gamma: "Gamma" },
+  adjustReset: "As recorded",
+  zoomFit: "Show the whole picture",
+  legendFaded: "low score",
+  noPicture: "No picture in this frame",
+  pictureFailed: "The picture could not be loaded",
+  enlarge: (camera: string) => `Enlarge ${camera}`,
+  shrink: "Show all cameras",
+  view: (camera: string, n: number) => `${camera}, ${plural(n, "box", "boxes")}`,
+  legend: "How boxes are drawn",
+  legendAuto: "own label",
+  legendPropagated: "propagated label",
+  legendFilled: "filled-in box",
+  ownLabel: "label from this picture",
+  humanLabel: "label by a person",
+  propagatedFrom: (camera: string, frame: number, score: string) =>
+    `from ${camera}, frame ${frame + 1}, score ${score}`,
+  filledIn: "box filled in between detections",
+  detectorSaid: (cls: string, score: string) => `here: ${cls} ${score}`,
+  notDetected: "here: not detected",
+  loading: "Loading…",
+  observationsFailed: "The labels of this frame could not be loaded",
+} as const;
+
+export const timeline = {
+  label: "Frame",
+  play: "Play",
+  pause: "Pause",
+  previous: "Previous frame",
+  next: "Next frame",
+  speed: "Playback speed",
+  resize: "Resize the timeline",
+  lanes: "Identities over time",
+  lanesHelp: "Lanes of identities. The list of identities beside says the same in words.",
+  lanesOf: (n: number) => `${plural(n, "lane")}, one for each identity`,
+  groupBy: "Group by",
+  groupings: { class: "Class", camera: "Camera", none: "None" },
+  zoomIn: "Zoom in on time",
+  zoomOut: "Zoom out of time",
+  all: "Whole drive",
+  loading: "Loading the lanes…",
+  empty: "No identities yet",
+  frames: (first: number, last: number) => `frames ${first + 1}–${last + 1}`,
+  scoreAbout: (low: number, high: number) => `score ${low.toFixed(1)}–${high.toFixed(1)}`,
+  filledIn: "filled in",
+  notSeen: "not seen",
+  fromOtherTrack: "label from another track",
+} as const;
+
+export const scene = {
+  title: "3D",
+  view: "3D view",
+  hide: "Hide 3D view",
+  starting: "Starting the 3D view…",
+  noLidar: "No LiDAR in this drive",
+  noLidarHint: "The 3D view needs LiDAR sweeps. Pictures, tracks and labels work as usual.",
+  failed: "The 3D view could not be started",
+  lost: "The 3D view has stopped",
+  resize: "Resize the 3D view",
+  frameTitle: "3D view of the LiDAR sweep and the 3D boxes",
+} as const;
+
+export const exports = {
+  intro: "Write all labels with their classes, scores, identities and origin to a file for training.",
+  coco: "COCO (images, boxes, classes)",
+  minScore: "Lowest score",
+  minScoreHint: "Labels below this score are left out. A propagated label counts with the score of its donor.",
+  start: "Export",
+  download: "Download",
+  running: "Writing…",
+  failed: "The export failed",
+  done: (labels: string, size: string) => `${labels} labels, ${size}`,
+  madeWith: (score: string) => `score at least ${score}`,
+  proposalsLeft: (n: number) =>
+    `${plural(n, "proposed merge")} ${n === 1 ? "is" : "are"} still open. Undecided merges do not change labels.`,
+} as const;

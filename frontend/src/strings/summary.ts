@@ -1,0 +1,58 @@
+import { count, plural } from "../app/format";
+
+export const summary = {
+  name: "Summary",
+  title: (name: string) => `Summary of ${name}`,
+  of: (name: string) => `The labels of ${name} in numbers`,
+  intro: (labels: number, identities: number, cameras: number) =>
+    `${plural(labels, "label")} of ${plural(identities, "identity", "identities")} in ${plural(cameras, "camera")}.`,
+  loadFailed: "The labels could not be counted",
+  exported: "labels exported",
+  before: "without propagation",
+  byDistance: "By distance",
+  distanceUnknown: "not measured",
+  metresBetween: (from: number, to: number) => `${from} to ${to} m`,
+  beyond: (from: number) => `over ${from} m`,
+  sources: { auto: "own label", propagated: "propagated", human: "by a person" },
+  whatIf: "What if the threshold were another?",
+  classes: "By class",
+  scoresTitle: "Scores before and after",
+  scoresCaption: (undetected: number) =>
+    `How sure the detector was of each box, and how sure its label is now. ${plural(undetected, "box", "boxes")} were not detected but filled in.`,
+  beforeName: "detector",
+  afterName: "label",
+  scoreBin: (from: number) => `${(from / 10).toFixed(1)} to ${((from + 1) / 10).toFixed(1)}`,
+  auditTitle: "Self-audit",
+  audited: (hidden: number, confident: number, confidence: number) =>
+    `${count(hidden)} of ${plural(confident, "box", "boxes")} with a score of at least ${confidence} were hidden, and the drive was labelled again without them.`,
+  auditBox: "box found",
+  auditLabel: "class right",
+  auditHidden: "hidden",
+  auditAll: "all",
+  auditFrom: (from: number, unit: string) => `from ${from} ${unit}`,
+  auditBetween: (from: number, to: number, unit: string) => `${from} to ${to} ${unit}`,
+  auditHeight: "px high",
+  auditInterval: (low: string, high: string) => `${low} to ${high} in 95 of 100 cases`,
+  auditCaption: "Class right: of the boxes that were found. What was hidden is what the detector was sure of.",
+  auditNone:
+    "How far can these labels be believed without truth? A command hides some that are sure, and looks what becomes of them:",
+  progress: "Progress of the review",
+  mergesAnswered: (n: number, all: number) => `${count(n)} of ${count(all)} merges answered`,
+  identitiesReviewed: (n: number, all: number) => `${count(n)} of ${count(all)} identities reviewed`,
+  checksTitle: "Physics checks",
+  checksFailed: (n: number) => plural(n, "identity fails", "identities fail"),
+  checks: {
+    speed: "Impossible speed",
+    size: "Size drift",
+    yaw: "Yaw jump",
+    twice: "Twice in a camera",
+  },
+  checkHints: {
+    speed: "It moves faster than its class can: two objects may have been taken for one.",
+    size: "Its 3D boxes are now small, now large.",
+    yaw: "It turns by more than 60 degrees from one moment to the next.",
+    twice: "Two of its tracks are in one image.",
+  },
+  units: { "m/s": "m/s", times: "times", degrees: "°", boxes: "boxes" } as Record<string, string>,
+  show: "Show them",
+} as const;
