@@ -9,6 +9,7 @@ from pathlib import Path
 from fastapi import APIRouter, FastAPI
 from fastapi.routing import APIRoute
 from pydantic import BaseModel
+from starlette.middleware.gzip import GZipMiddleware
 
 from app import __version__
 from app.audit.endpoints import router as audit_router
@@ -34,6 +35,9 @@ from app.security import install_security
 from app.settings import Settings
 from app.summary.endpoints import router as summary_router
 from app.tracks.endpoints import router as tracks_router
+
+COMPRESSED_FROM_BYTES = 4_096
+"""Smaller answers are sent as they are. Level 1 is what a machine that talks to itself hardly notices."""
 
 
 class Health(BaseModel):
@@ -107,6 +111,7 @@ def create_app(settings: Settings, *, static_folder: Path = STATIC_FOLDER) -> Fa
     ):
         app.include_router(router)
     install_page(app, static_folder)
+    app.add_middleware(GZipMiddleware, minimum_size=COMPRESSED_FROM_BYTES, compresslevel=1)
     install_security(app, allowed_hosts=_allowed_hosts(settings))
     return app
 

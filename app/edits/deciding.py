@@ -12,6 +12,7 @@ from typing import Any
 from app.db.session import Session
 from app.edits import repository
 from app.edits.anchors import TrackIds
+from app.edits.donors import decide_donor
 from app.edits.drawing import decide_box, decide_interpolation
 from app.edits.pieces import Pieces
 from app.edits.schemas import (
@@ -20,6 +21,7 @@ from app.edits.schemas import (
     ClassEdit,
     CommentEdit,
     DeleteEdit,
+    DonorEdit,
     InterpolateEdit,
     JoinEdit,
     MarkEdit,
@@ -60,6 +62,9 @@ def decide(session: Session, subjects: Subjects, edit: AnyEdit) -> Decided:
             return Decided(effects, about)
         case InterpolateEdit():
             effects, about = decide_interpolation(session, subjects, edit)
+            return Decided(effects, about)
+        case DonorEdit():
+            effects, about = decide_donor(session, subjects, edit)
             return Decided(effects, about)
         case MarkEdit():
             return _say(subjects, edit.identity_ids, EffectKind.MARK, {"mark": str(edit.mark)})

@@ -152,6 +152,14 @@ def sayings(session: Session, labelling_id: int, tracked_ids: Iterable[int]) -> 
     return [to_effect(row) for row in sorted(rows, key=lambda row: (row.review_id, row.id))]
 
 
+def no_donors(session: Session, labelling_id: int) -> list[Effect]:
+    """What people say of boxes that may not give their label to others."""
+    query = select(EffectRow).where(
+        EffectRow.labelling_id == labelling_id, EffectRow.kind == EffectKind.NO_DONOR, EffectRow.active
+    )
+    return [to_effect(row) for row in session.scalars(query)]
+
+
 def reviews_about(session: Session, labelling_id: int, tracked_id: int, *, without: int) -> Sequence[int]:
     """Other edits that hold and name a track as tracked."""
     query = select(EffectRow.review_id).where(

@@ -11,7 +11,7 @@ from typing import Any, cast
 from app.db.session import Session
 from app.edits import repository
 from app.edits import track_repository as tracks
-from app.edits.boxes import BoxEdit, DrawnBox, edited_boxes
+from app.edits.boxes import BoxEdit, edited_boxes
 from app.edits.pieces import Pieces, Span
 from app.edits.track_repository import TrackedBox
 from app.edits.types import Box, Effect, EffectKind, Place
@@ -47,7 +47,9 @@ def reshape(
     wanted = edited_boxes({frame: box.box for frame, box in machine.items()}, edits, images)
     spans = pieces.spans(form.tracked_id)
     before = {box.track_id for box in found if box.track_id is not None}
-    rows = _piece_rows(labelling.id, form, spans, machine, wanted.kept, wanted.drawn)
+    barred = [effect for effect in effects if effect.kind is EffectKind.NO_DONOR]
+    may_give = {frame for frame in wanted.kept if not any(effect.reaches(frame) for effect in barred)}
+    rows = _piece_rows(labelling.id, form, spans, machine, wanted.kept | wanted.drawn.keys(), may_give)
     after = {row["track_id"] for row in rows}
 
     tracks.put_tracks(session, rows)
@@ -97,16 +99,18 @@ def _piece_rows(
     form: TrackedForm,
     spans: Iterable[Span],
     machine: dict[int, TrackedBox],
-    kept: set[int],
-    drawn: dict[int, DrawnBox],
+    visible: set[int],
+    may_give: set[int],
 ) -> list[dict[str, Any]]:
-    """The columns of each piece that has a box, but for its identity."""
+    """The columns of each piece that has a box, but for its identity. Its best box is one of those in ``may_give``."""
     rows: list[dict[str, Any]] = []
     for span in spans:
-        frames = sorted(frame for frame in kept | drawn.keys() if _within(span, frame))
+        frames = sorted(frame for frame in visible if _within(span, frame))
         if not frames:
             continue
-        scored = [(score, -frame) for frame in frames if frame in kept and (score := machine[frame].score) is not None]
+        scored = [
+            (score, -frame) for frame in frames if frame in may_give and (score := machine[frame].score) is not None
+        ]
         best_score, best_frame = max(scored, default=(None, -frames[0]))
         best = machine.get(-best_frame)
         rows.append(

@@ -26,6 +26,7 @@ class EditAction(StrEnum):
     DELETE = "delete"
     BOX = "box"
     INTERPOLATE = "interpolate"
+    DONOR = "donor"
     MARK = "mark"
     COMMENT = "comment"
     UNDO_EDIT = "undo_edit"
@@ -109,6 +110,16 @@ class InterpolateEdit(BaseModel):
     last_frame: FrameIndex
 
 
+class DonorEdit(BaseModel):
+    """The identity is not to take its label from this observation, or from none of its track: it is propagated anew."""
+
+    kind: Literal["donor"]
+    identity_id: int
+    track_id: int
+    frame_index: FrameIndex
+    whole_track: bool = False
+
+
 class MarkChoice(StrEnum):
     REVIEWED = IdentityMark.REVIEWED.value
     IGNORED = IdentityMark.IGNORED.value
@@ -130,7 +141,16 @@ class CommentEdit(BaseModel):
 
 
 AnyEdit = Annotated[
-    ClassEdit | SplitEdit | JoinEdit | SwapEdit | DeleteEdit | BoxEdit | InterpolateEdit | MarkEdit | CommentEdit,
+    ClassEdit
+    | SplitEdit
+    | JoinEdit
+    | SwapEdit
+    | DeleteEdit
+    | BoxEdit
+    | InterpolateEdit
+    | DonorEdit
+    | MarkEdit
+    | CommentEdit,
     Field(discriminator="kind"),
 ]
 

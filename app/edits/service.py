@@ -4,6 +4,8 @@ A correction is a review with its effects in terms that outlive the labelling; t
 labelling; and what follows from them for tracks, identities and labels. All in one transaction.
 """
 
+from collections.abc import Collection
+
 from app.db.session import Session
 from app.drives import repository as drives_repository
 from app.drives.models import DriveRow
@@ -17,6 +19,7 @@ from app.edits.schemas import (
     AnyEdit,
     BoxEdit,
     Comment,
+    DonorEdit,
     DriveRevision,
     Edit,
     EditChange,
@@ -59,6 +62,8 @@ def _named(edit: AnyEdit) -> set[int]:
             return set()
         case BoxEdit():
             return set() if edit.identity_id is None else {edit.identity_id}
+        case DonorEdit():
+            return {edit.identity_id}
         case _:
             return set(edit.identity_ids)
 
@@ -73,17 +78,25 @@ def require_labelled(session: Session, drive_id: int) -> tuple[DriveRow, Labelli
 
 
 def require_fresh(
-    session: Session, drive: DriveRow, labelling: LabellingRow, identity_ids: set[int], seen_revision: int | None
+    session: Session,
+    drive: DriveRow,
+    labelling: LabellingRow,
+    identity_ids: set[int],
+    seen_revision: int | None,
+    *,
+    track_ids: Collection[int] = (),
 ) -> None:
-    """Stale where one of these identities was changed after the revision that the page had read, or all were."""
+    """Stale where one of these identities or tracks was changed after the revision that the page had read, or all were.
+
+    What was a part of an object until then is known by its track: a split gives it another identity."""
     if seen_revision is None or seen_revision >= drive.revision:
         return
     if seen_revision < labelling.since_revision:
         raise Stale("The drive was labelled again since this page read it, so nothing was changed. Look again.")
     for review in reviews_repository.list_since(session, drive.id, seen_revision):
-        same = identity_ids & set(to_edit(review).identity_ids)
-        if same:
-            objects = ", ".join(f"#{identity}" for identity in sorted(same))
+        changed = to_edit(review)
+        if not identity_ids.isdisjoint(changed.identity_ids) or not set(track_ids).isdisjoint(changed.track_ids):
+            objects = ", ".join(f"#{identity}" for identity in changed.identity_ids)
             raise Stale(
                 f"{review.reviewer} changed object {objects} in the meantime ({review.action}, number {review.id} in "
                 "the log), so nothing was changed now. Look at it, and repeat what you want."

@@ -7,7 +7,8 @@ from typing import Any
 
 
 class EffectKind(StrEnum):
-    """What can be done to a place. ``until_frame`` is the last frame that ``HIDE`` and ``FILL`` are about."""
+    """What can be done to a place. ``until_frame`` is the last frame that ``HIDE``, ``FILL`` and ``NO_DONOR`` are
+    about, None where they are about the rest of the track."""
 
     CUT = "cut"
     """Here another track begins: ``made_track_id``."""
@@ -17,6 +18,8 @@ class EffectKind(StrEnum):
     """A person drew the box: ``value.box``."""
     FILL = "fill"
     """The boxes between this frame and the last one lie on straight ways between known ones."""
+    NO_DONOR = "no_donor"
+    """The boxes from here on give their label to no other box."""
     NEW = "new"
     """The track as tracked is a person's own: ``value.camera``, ``value.class_name``."""
     SAME = "same"
@@ -32,8 +35,8 @@ class EffectKind(StrEnum):
     COMMENT = "comment"
 
 
-SHAPING = (EffectKind.CUT, EffectKind.HIDE, EffectKind.BOX, EffectKind.FILL, EffectKind.NEW)
-"""Kinds that change which boxes there are, and which track they belong to."""
+SHAPING = (EffectKind.CUT, EffectKind.HIDE, EffectKind.BOX, EffectKind.FILL, EffectKind.NO_DONOR, EffectKind.NEW)
+"""Kinds that change which boxes there are, which track they belong to, and which of them is the track's best."""
 PAIRING = (EffectKind.SAME, EffectKind.APART, EffectKind.OPEN)
 SAYING = (EffectKind.CLASS, EffectKind.MARK, EffectKind.COMMENT)
 
@@ -56,6 +59,10 @@ class Effect:
     until_frame: int | None = None
     made_track_id: int | None = None
     value: Mapping[str, Any] = field(default_factory=dict[str, Any])
+
+    def reaches(self, frame_index: int) -> bool:
+        """Whether a frame lies between the place and ``until_frame``."""
+        return self.place.frame_index <= frame_index and (self.until_frame is None or frame_index <= self.until_frame)
 
 
 Box = tuple[float, float, float, float]

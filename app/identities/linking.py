@@ -9,6 +9,7 @@ makes of its observations (:mod:`app.identities.relabelling`).
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 from app.db.session import Session
 from app.edits import repository as edits_repository
@@ -23,9 +24,12 @@ from app.merges.repository import Link
 from app.tracks import label_repository
 from app.tracks import repository as tracks_repository
 from app.tracks.models import TrackRow
-from labeler.identity.linking import CannotLinkError, IdentityGraph, components
+from app.tracks.repository import TrackFacts
+from labeler.identity.linking import CannotLinkError, IdentityGraph
 from labeler.propagation import Donor
 from labeler.propagation.votes import SCORE_DIGITS
+
+T = TypeVar("T", bound=TrackRow | TrackFacts)
 
 HUMAN_SCORE = 1.0
 """The score of a label that is a person's word."""
@@ -107,12 +111,12 @@ def relink(
     return Relinked(tuple(sorted(members)), changed, tuple(refused))
 
 
-def best_track(tracks: Sequence[TrackRow]) -> TrackRow:
+def best_track(tracks: Sequence[T]) -> T:
     """The track that holds the best observation: highest score, then earliest frame, then smallest id.
 
     Tracks without any score come last."""
 
-    def rank(track: TrackRow) -> tuple[bool, float, int, int]:
+    def rank(track: TrackRow | TrackFacts) -> tuple[bool, float, int, int]:
         return (track.best_score is None, -(track.best_score or 0.0), track.best_frame, track.track_id)
 
     return min(tracks, key=rank)
@@ -197,13 +201,16 @@ def _reachable(
     session: Session, labelling_id: int, start: set[int], links: Sequence[Link | Pair]
 ) -> Sequence[TrackRow]:
     """Tracks that are or could be in one identity with those of ``start``, by way of the links."""
-    component_of = components(
-        {track for link in links for track in (link.track_a, link.track_b)} | start,
-        [(link.track_a, link.track_b) for link in links],
-    )
-    wanted = {component_of[track] for track in start}
-    ids = {track for track, component in component_of.items() if component in wanted}
-    return tracks_repository.tracks_with(session, labelling_id, ids)
+    neighbours: dict[int, list[int]] = {}
+    for link in links:
+        neighbours.setdefault(link.track_a, []).append(link.track_b)
+        neighbours.setdefault(link.track_b, []).append(link.track_a)
+    reached, waiting = set(start), list(start)
+    while waiting:
+        fresh = [track for track in neighbours.get(waiting.pop(), ()) if track not in reached]
+        reached.update(fresh)
+        waiting += fresh
+    return tracks_repository.tracks_with(session, labelling_id, reached)
 
 
 def _join(session: Session, graph: IdentityGraph, links: Sequence[Link | Pair], forbids: MayNotBeOne) -> list[Refused]:

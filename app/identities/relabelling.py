@@ -5,7 +5,7 @@ that an identity has the same labels whether a person or the machine put its tra
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 
 from app.db.session import Session
 from app.drives import repository as drives_repository
+from app.edits import repository as edits_repository
+from app.edits.types import Effect
 from app.tracks import label_repository
 from app.tracks import repository as tracks_repository
 from app.tracks.label_repository import LABEL_COLUMNS, BoxAndLabel
@@ -36,12 +38,22 @@ class Relabelled:
 class Relabelling:
     """Labels the identities of one labelling anew."""
 
-    def __init__(self, session: Session, labelling_id: int) -> None:
+    def __init__(self, session: Session, labelling_id: int, *, also_rejected: Sequence[Effect] = ()) -> None:
+        """``also_rejected`` are boxes that may give their label to no other, beside those that people rejected."""
         self._session = session
+        self._also_rejected = also_rejected
         self._labelling_id = labelling_id
         self._labelling = tracks_repository.find_labelling(session, labelling_id)
         kept = self._labelling.propagation
         self._config = BEFORE_IT_WAS_KEPT if kept is None else PropagationConfig(**kept)
+
+    @cached_property
+    def _rejected(self) -> dict[int, list[Effect]]:
+        """What may not give its label, by track as tracked."""
+        rejected: dict[int, list[Effect]] = {}
+        for effect in [*edits_repository.no_donors(self._session, self._labelling_id), *self._also_rejected]:
+            rejected.setdefault(effect.place.tracked_id, []).append(effect)
+        return rejected
 
     @cached_property
     def _timestamp_ns(self) -> NDArray[np.int64]:
@@ -77,7 +89,8 @@ class Relabelling:
         identity_of = dict.fromkeys(track_ids, identity)
         observations = _observations(boxes)
         camera_id = np.array([box.camera_id for box in boxes])
-        batches = [(self._camera_names[one], observations[camera_id == one]) for one in np.unique(camera_id).tolist()]
+        voting = replace(observations, score=np.where(self._is_rejected(boxes), np.nan, observations.score))
+        batches = [(self._camera_names[one], voting[camera_id == one]) for one in np.unique(camera_id).tolist()]
         votes = collect_votes(batches, identity_of, config=self._config, timestamp_ns=self._timestamp_ns)
         labels = label_observations(
             observations, identity_of, votes, config=self._config, timestamp_ns=self._timestamp_ns
@@ -85,6 +98,15 @@ class Relabelling:
         values = label_values(labels)
         rows = list(zip(*(values[name] for name in LABEL_COLUMNS), strict=True))
         return donor_of(votes[identity], self._config), rows
+
+
+    def _is_rejected(self, boxes: Sequence[BoxAndLabel]) -> NDArray[np.bool_]:
+        """(N,) whether each box may give its label to no other."""
+        if not self._rejected:
+            return np.zeros(len(boxes), np.bool_)
+        tracks = tracks_repository.tracks_with(self._session, self._labelling_id, {box.track_id for box in boxes})
+        rejected = {track.track_id: self._rejected.get(track.tracked_id, ()) for track in tracks}
+        return np.array([any(one.reaches(box.frame_index) for one in rejected[box.track_id]) for box in boxes])
 
 
 def _observations(boxes: Sequence[BoxAndLabel]) -> Observations:

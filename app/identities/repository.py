@@ -11,9 +11,20 @@ from app.tracks.models import LabelRow, ObservationRow, TrackRow
 
 
 class StoredIdentity(NamedTuple):
-    """An identity with the store's id, the camera and the score of its donor."""
+    """An identity to read only, with the store's id, the camera and the score of its donor."""
 
-    row: IdentityRow
+    identity_id: int
+    class_id: int
+    score: float | None
+    donor_track_id: int
+    donor_frame_index: int
+    first_frame: int
+    last_frame: int
+    observation_count: int
+    propagated_count: int
+    class_by_person: bool
+    mark: str | None
+    comment_count: int
     donor_id: int
     donor_camera_id: int
     donor_score: float | None
@@ -21,8 +32,9 @@ class StoredIdentity(NamedTuple):
 
 def list_all(session: Session, labelling_id: int) -> list[StoredIdentity]:
     """Identities in order of id."""
+    of_identity = (getattr(IdentityRow, name) for name in StoredIdentity._fields[:-3])
     query = (
-        select(IdentityRow, ObservationRow.id, TrackRow.camera_id, ObservationRow.score)
+        select(*of_identity, ObservationRow.id, TrackRow.camera_id, ObservationRow.score)
         .join(
             TrackRow,
             and_(TrackRow.labelling_id == IdentityRow.labelling_id, TrackRow.track_id == IdentityRow.donor_track_id),
@@ -38,7 +50,7 @@ def list_all(session: Session, labelling_id: int) -> list[StoredIdentity]:
         .where(IdentityRow.labelling_id == labelling_id)
         .order_by(IdentityRow.identity_id)
     )
-    return [StoredIdentity(*row) for row in session.execute(query)]
+    return [StoredIdentity._make(row) for row in session.execute(query)]
 
 
 def find(session: Session, labelling_id: int, identity_ids: Iterable[int]) -> Sequence[IdentityRow]:

@@ -2,24 +2,28 @@
 
 from typing import Annotated
 
-from fastapi import APIRouter, Query
+from fastapi import APIRouter, Query, Request
+from fastapi.responses import Response
 
 from app.db.session import ReadSession, WriteSession
 from app.dependencies import Reviewer
 from app.merges import looks, service
-from app.merges.schemas import Merge, MergeChange, MergeLooks, MergeState
+from app.merges.schemas import Merge, MergeChange, MergeDecision, MergeLooks, MergeState
+from app.tracks.answers import answer_for_labels
 
 router = APIRouter(prefix="/api", tags=["merges"])
+NOTHING_READ = MergeDecision()
 
 
-@router.get("/drives/{drive_id}/merges")
+@router.get("/drives/{drive_id}/merges", response_model=list[Merge])
 def list_merges(
     drive_id: int,
+    request: Request,
     session: ReadSession,
     state: Annotated[MergeState | None, Query(description="Only merges in this state.")] = None,
-) -> list[Merge]:
+) -> Response:
     """Merges of the drive by descending score."""
-    return service.list_merges(session, drive_id, state)
+    return answer_for_labels(request, session, drive_id, lambda: service.merges_json(session, drive_id, state))
 
 
 @router.get("/merges/{merge_id}/looks")
@@ -29,24 +33,32 @@ def get_merge_looks(merge_id: int, session: ReadSession) -> MergeLooks:
 
 
 @router.post("/merges/{merge_id}/accept")
-def accept_merge(merge_id: int, session: WriteSession, reviewer: Reviewer) -> MergeChange:
-    """Say that the two tracks are one object; 409 where that can't be."""
-    return service.accept_merge(session, merge_id, reviewer=reviewer)
+def accept_merge(
+    merge_id: int, session: WriteSession, reviewer: Reviewer, asked: MergeDecision = NOTHING_READ
+) -> MergeChange:
+    """Say that the two tracks are one object; 409 where that can't be, or where they have changed since `revision`."""
+    return service.accept_merge(session, merge_id, seen_revision=asked.revision, reviewer=reviewer)
 
 
 @router.post("/merges/{merge_id}/reject")
-def reject_merge(merge_id: int, session: WriteSession, reviewer: Reviewer) -> MergeChange:
+def reject_merge(
+    merge_id: int, session: WriteSession, reviewer: Reviewer, asked: MergeDecision = NOTHING_READ
+) -> MergeChange:
     """Say that the two tracks are two objects."""
-    return service.reject_merge(session, merge_id, reviewer=reviewer)
+    return service.reject_merge(session, merge_id, seen_revision=asked.revision, reviewer=reviewer)
 
 
 @router.post("/merges/{merge_id}/unsure")
-def leave_merge_open(merge_id: int, session: WriteSession, reviewer: Reviewer) -> MergeChange:
+def leave_merge_open(
+    merge_id: int, session: WriteSession, reviewer: Reviewer, asked: MergeDecision = NOTHING_READ
+) -> MergeChange:
     """Say that it can't be told: the tracks stay apart, and the merge leaves the queue until it is undone."""
-    return service.leave_merge_open(session, merge_id, reviewer=reviewer)
+    return service.leave_merge_open(session, merge_id, seen_revision=asked.revision, reviewer=reviewer)
 
 
 @router.post("/merges/{merge_id}/undo")
-def undo_merge(merge_id: int, session: WriteSession, reviewer: Reviewer) -> MergeChange:
+def undo_merge(
+    merge_id: int, session: WriteSession, reviewer: Reviewer, asked: MergeDecision = NOTHING_READ
+) -> MergeChange:
     """Take back what a person said; what the machine said holds again."""
-    return service.undo_merge(session, merge_id, reviewer=reviewer)
+    return service.undo_merge(session, merge_id, seen_revision=asked.revision, reviewer=reviewer)

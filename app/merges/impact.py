@@ -8,15 +8,19 @@ from collections.abc import Iterable, Sequence
 
 from app.identities.linking import best_track
 from app.merges.models import MergeRow
+from app.merges.repository import StoredMerge
 from app.tracks.models import TrackRow
+from app.tracks.repository import TrackFacts
+
+AnyTrack = TrackRow | TrackFacts
 
 
 class Impact:
     """Counts for the merges of one labelling. ``accepted`` are all merges that hold among the tracks."""
 
-    def __init__(self, tracks: Iterable[TrackRow], accepted: Iterable[tuple[int, int]]) -> None:
+    def __init__(self, tracks: Iterable[AnyTrack], accepted: Iterable[tuple[int, int]]) -> None:
         self._tracks = {track.track_id: track for track in tracks}
-        self._members: dict[int, list[TrackRow]] = {}
+        self._members: dict[int, list[AnyTrack]] = {}
         for track in self._tracks.values():
             self._members.setdefault(track.identity_id, []).append(track)
         self._neighbours: dict[int, set[int]] = {}
@@ -27,7 +31,7 @@ class Impact:
     def identity_of(self, track_id: int) -> int:
         return self._tracks[track_id].identity_id
 
-    def label_count(self, merge: MergeRow) -> int:
+    def label_count(self, merge: MergeRow | StoredMerge) -> int:
         """How many labels change when the merge is accepted, or undone where it holds."""
         track_a, track_b = merge.tracks
         if merge.state == "accepted":
@@ -51,7 +55,7 @@ class Impact:
         return side
 
 
-def _lesser_count(a: Sequence[TrackRow], b: Sequence[TrackRow]) -> int:
+def _lesser_count(a: Sequence[AnyTrack], b: Sequence[AnyTrack]) -> int:
     """Observations of the group without the best one; 0 where one group is empty."""
     if not a or not b:
         return 0

@@ -52,6 +52,7 @@ def looks_of_merge(session: Session, merge_id: int) -> MergeLooks:
         moments=_moments(merge, looks, paths),
         strip=looks.strip(),
         ego=_ego_way(ego),
+        plot=merge.evidence.get("plot"),
     )
 
 

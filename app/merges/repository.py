@@ -1,12 +1,13 @@
 """SQL about merges."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from sqlalchemy import insert, select, tuple_, update
 from sqlalchemy.orm import Session
 
 from app.merges.models import MergeRow
+from app.tracks.repository import plain_rows
 
 
 class Link(NamedTuple):
@@ -18,6 +19,28 @@ class Link(NamedTuple):
     score: float
     state: str
     decided_by: str
+
+
+class StoredMerge(NamedTuple):
+    """A merge as readers of all merges need it: many times cheaper to read than rows that may be changed."""
+
+    id: int
+    track_a: int
+    track_b: int
+    score: float
+    state: str
+    decided_by: str
+    shared_frames: int
+    agreeing_frames: int
+    mean_distance_m: float | None
+    mean_bev_iou: float | None
+    reason: str
+    best_frames: list[dict[str, Any]]
+    evidence: dict[str, Any]
+
+    @property
+    def tracks(self) -> tuple[int, int]:
+        return self.track_a, self.track_b
 
 
 def insert_merges(session: Session, rows: Sequence[Mapping[str, Any]]) -> None:
@@ -47,12 +70,22 @@ def find_pair(session: Session, labelling_id: int, track_a: int, track_b: int) -
 
 def list_by_score(session: Session, labelling_id: int, state: str | None = None) -> Sequence[MergeRow]:
     """Merges by descending score, of one state where it is named; without those of deleted tracks."""
-    query = select(MergeRow).where(
+    return session.scalars(_by_score(select(MergeRow), labelling_id, state)).all()
+
+
+def read_by_score(session: Session, labelling_id: int, state: str | None = None) -> list[StoredMerge]:
+    """The same merges, to read only."""
+    columns = (getattr(MergeRow, name) for name in StoredMerge._fields)
+    return [StoredMerge._make(row) for row in session.execute(_by_score(select(*columns), labelling_id, state))]
+
+
+def _by_score(query: Any, labelling_id: int, state: str | None) -> Any:
+    query = query.where(
         MergeRow.labelling_id == labelling_id, MergeRow.track_a.is_not(None), MergeRow.track_b.is_not(None)
     )
     if state is not None:
         query = query.where(MergeRow.state == state)
-    return session.scalars(query.order_by(MergeRow.score.desc(), MergeRow.id)).all()
+    return query.order_by(MergeRow.score.desc(), MergeRow.id)
 
 
 def merges_of_tracks(session: Session, labelling_id: int, track_ids: Iterable[int]) -> Sequence[MergeRow]:
@@ -81,18 +114,26 @@ def links(session: Session, labelling_id: int) -> list[Link]:
         )
         .order_by(MergeRow.decided_by.desc(), MergeRow.score.desc(), MergeRow.id)
     )
-    return [Link(*row) for row in session.execute(query)]
+    return [Link._make(row) for row in plain_rows(session, query)]
 
 
-def accepted_pairs(session: Session, labelling_id: int) -> list[tuple[int, int]]:
-    """The tracks of the merges that hold."""
+def accepted_pairs(
+    session: Session, labelling_id: int, track_ids: Collection[int] | None = None
+) -> list[tuple[int, int]]:
+    """The tracks of the merges that hold; of those between some tracks only, where these are named."""
     query = select(MergeRow.track_a, MergeRow.track_b).where(
-        MergeRow.labelling_id == labelling_id, MergeRow.state == "accepted"
+        MergeRow.labelling_id == labelling_id,
+        MergeRow.state == "accepted",
+        MergeRow.track_a.is_not(None),
+        MergeRow.track_b.is_not(None),
     )
-    pairs = session.execute(query)
-    return [(track_a, track_b) for track_a, track_b in pairs if track_a is not None and track_b is not None]
+    if track_ids is not None:
+        query = query.where(MergeRow.track_a.in_(sorted(track_ids)))
+    return plain_rows(session, query)
 
 
 def set_state(session: Session, merge_ids: Iterable[int], state: str) -> None:
     """Set what holds for some merges, by whomever it was decided."""
-    session.execute(update(MergeRow).where(MergeRow.id.in_(list(merge_ids))).values(state=state))
+    ids = list(merge_ids)
+    if ids:
+        session.execute(update(MergeRow).where(MergeRow.id.in_(ids)).values(state=state))

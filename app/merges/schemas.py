@@ -4,6 +4,7 @@ from enum import StrEnum
 
 from pydantic import BaseModel, Field
 
+from app.edits.schemas import Revision
 from app.motion.paths import PathFrame
 
 
@@ -71,7 +72,6 @@ class MergeEvidence(BaseModel):
     gap_frames: list[int] | None = Field(description="The last frame of the one and the first of the other.")
     features: list[MergeFeature]
     bias_log_odds: float
-    plot: MergePlot | None
 
 
 class Merge(BaseModel):
@@ -83,7 +83,10 @@ class Merge(BaseModel):
     camera_a: str
     camera_b: str
     score: float
-    probability: float = Field(description="How likely it is that both tracks are one object, from 0 to 1.")
+    probability: float | None = Field(
+        description="How likely it is that both tracks are one object, from 0 to 1; null where the score is none: see "
+        "evidence.calibrated."
+    )
     state: MergeState
     decided_by: DecidedBy
     shared_frames: int
@@ -95,11 +98,17 @@ class Merge(BaseModel):
     evidence: MergeEvidence | None = Field(description="Null for a merge that the machine has not measured.")
     label_count: int = Field(description="How many labels accepting or undoing it changes.")
     priority: float = Field(
-        description="Impact times uncertainty: label_count times the entropy of the probability in bits. The queue "
-        "goes from high to low."
+        description="Impact times uncertainty: label_count times the entropy of the score in bits, 1 at .5 and 0 at 0 "
+        "and 1. The queue goes from high to low."
     )
     identity_a: int
     identity_b: int
+
+
+class MergeDecision(BaseModel):
+    """What comes with a decision about a merge."""
+
+    revision: Revision = None
 
 
 class MergeChange(BaseModel):
@@ -166,3 +175,4 @@ class MergeLooks(BaseModel):
     moments: list[Moment]
     strip: list[Look] = Field(description="Looks at all tracks of both identities in order of time.")
     ego: Way
+    plot: MergePlot | None = Field(description="What the machine drew as its evidence; null where it drew nothing.")

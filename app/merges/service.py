@@ -1,10 +1,14 @@
 """Merges for the page, and a person's decisions about them."""
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
+from typing import Any
+
+from pydantic_core import to_json
 
 from app.db.session import Session
 from app.drives import repository as drives_repository
 from app.edits import repository as edits_repository
+from app.edits.service import require_fresh
 from app.edits.types import EffectKind
 from app.errors import Conflict, NotFound
 from app.identities.classes import require_one_class
@@ -14,47 +18,55 @@ from app.merges import repository
 from app.merges.impact import Impact
 from app.merges.models import MergeRow
 from app.merges.priority import priority
-from app.merges.schemas import DecidedBy, Merge, MergeChange, MergeEvidence, MergeFrame, MergeState
+from app.merges.repository import StoredMerge
+from app.merges.schemas import DecidedBy, Merge, MergeChange, MergeState
 from app.reviews import service as reviews_service
 from app.reviews.schemas import ReviewAction
 from app.tracks import repository as tracks_repository
 
 
-def list_merges(session: Session, drive_id: int, state: MergeState | None) -> list[Merge]:
-    """Merges of a drive by descending score; none before it is labelled."""
+def merges_json(session: Session, drive_id: int, state: MergeState | None) -> bytes:
+    """:class:`app.merges.schemas.Merge` of a drive's merges by descending score, as JSON; none before it is labelled.
+
+    It is written from plain values: there are thousands, and models of each take most of the time. A test reads the
+    answer back through the model.
+    """
     if drives_repository.find(session, drive_id) is None:
         raise NotFound(f"There is no drive {drive_id}. It may have been deleted.")
     labelling = tracks_repository.current_labelling(session, drive_id)
     if labelling is None:
-        return []
-    tracks = tracks_repository.tracks_of(session, labelling.id)
+        return to_json([])
+    tracks = tracks_repository.track_facts(session, labelling.id)
     impact = Impact(tracks, _held_pairs(session, labelling.id))
     cameras = tracks_repository.camera_names(session, drive_id)
     camera_of = {track.track_id: cameras[track.camera_id] for track in tracks}
-    return [_to_merge(row, impact, camera_of) for row in repository.list_by_score(session, labelling.id, state)]
+    return to_json([_values(row, impact, camera_of) for row in repository.read_by_score(session, labelling.id, state)])
 
 
-def accept_merge(session: Session, merge_id: int, *, reviewer: str) -> MergeChange:
+def accept_merge(session: Session, merge_id: int, *, reviewer: str, seen_revision: int | None = None) -> MergeChange:
     """A person says that the two tracks are one object.
 
-    CannotLink where that would put two tracks of one camera that share a frame into one identity."""
+    CannotLink where that would put two tracks of one camera that share a frame into one identity; Stale, here as in all
+    decisions, where one of the two objects was changed after the revision that the page had read."""
     merge = require_current(session, merge_id)
-    if merge.state != MergeState.ACCEPTED:
-        _require_linkable(session, merge)
-    return _decide(session, merge, ReviewAction.ACCEPT, MergeState.ACCEPTED, reviewer)
+    return _decide(session, merge, ReviewAction.ACCEPT, MergeState.ACCEPTED, reviewer, seen_revision)
 
 
-def reject_merge(session: Session, merge_id: int, *, reviewer: str) -> MergeChange:
+def reject_merge(session: Session, merge_id: int, *, reviewer: str, seen_revision: int | None = None) -> MergeChange:
     """A person says that the two tracks are two objects."""
-    return _decide(session, require_current(session, merge_id), ReviewAction.REJECT, MergeState.REJECTED, reviewer)
+    merge = require_current(session, merge_id)
+    return _decide(session, merge, ReviewAction.REJECT, MergeState.REJECTED, reviewer, seen_revision)
 
 
-def leave_merge_open(session: Session, merge_id: int, *, reviewer: str) -> MergeChange:
+def leave_merge_open(
+    session: Session, merge_id: int, *, reviewer: str, seen_revision: int | None = None
+) -> MergeChange:
     """A person can't tell whether the two tracks are one object; they stay apart."""
-    return _decide(session, require_current(session, merge_id), ReviewAction.UNSURE, MergeState.UNSURE, reviewer)
+    merge = require_current(session, merge_id)
+    return _decide(session, merge, ReviewAction.UNSURE, MergeState.UNSURE, reviewer, seen_revision)
 
 
-def undo_merge(session: Session, merge_id: int, *, reviewer: str) -> MergeChange:
+def undo_merge(session: Session, merge_id: int, *, reviewer: str, seen_revision: int | None = None) -> MergeChange:
     """What a person said is taken back, and what the machine said holds again, as far as it fits."""
     merge = require_current(session, merge_id)
     if merge.decided_by != DecidedBy.PERSON:
@@ -62,14 +74,25 @@ def undo_merge(session: Session, merge_id: int, *, reviewer: str) -> MergeChange
             f"Nobody has decided about the merge of tracks {merge.track_a} and {merge.track_b}, so there is nothing to "
             "undo."
         )
+    _require_fresh(session, merge, seen_revision)
     reviews_service.record(session, merge, ReviewAction.UNDO, reviewer=reviewer)
     merge.state, merge.decided_by = merge.machine_state, DecidedBy.MACHINE
     return _apply(session, merge)
 
 
-def _decide(session: Session, merge: MergeRow, action: ReviewAction, state: MergeState, reviewer: str) -> MergeChange:
+def _decide(
+    session: Session,
+    merge: MergeRow,
+    action: ReviewAction,
+    state: MergeState,
+    reviewer: str,
+    seen_revision: int | None,
+) -> MergeChange:
     if merge.state == state and merge.decided_by == DecidedBy.PERSON:
         return _change(session, merge, changed_label_count=0)  # said before: nothing to add
+    _require_fresh(session, merge, seen_revision)
+    if action is ReviewAction.ACCEPT and merge.state != MergeState.ACCEPTED:
+        _require_linkable(session, merge)
     reviews_service.record(session, merge, action, reviewer=reviewer)
     merge.state, merge.decided_by = state, DecidedBy.PERSON
     return _apply(session, merge)
@@ -97,11 +120,11 @@ def _change(session: Session, merge: MergeRow, *, near: Iterable[int] = (), chan
     drive = tracks_repository.drive_of_labelling(session, labelling_id)
     session.refresh(drive)
     cameras = tracks_repository.camera_names(session, drive.id)
-    impact = Impact(tracks, _held_pairs(session, labelling_id))
+    impact = Impact(tracks, _held_pairs(session, labelling_id, {track.track_id for track in tracks}))
     camera_of = {track.track_id: cameras[track.camera_id] for track in tracks}
     return MergeChange(
-        merge=_to_merge(merge, impact, camera_of),
-        merges=[_to_merge(row, impact, camera_of) for row in rows],
+        merge=Merge.model_validate(_values(merge, impact, camera_of)),
+        merges=[Merge.model_validate(_values(row, impact, camera_of)) for row in rows],
         changed_label_count=changed_label_count,
         identity_ids=sorted(identity_ids),
         revision=drive.revision,
@@ -114,6 +137,21 @@ def require_current(session: Session, merge_id: int) -> MergeRow:
     if merge is None or not tracks_repository.is_current(session, merge.labelling_id):
         raise NotFound(f"There is no merge {merge_id}. The drive may have been labelled again: load its merges anew.")
     return merge
+
+
+def _require_fresh(session: Session, merge: MergeRow, seen_revision: int | None) -> None:
+    """Stale where somebody changed one of the two objects after the revision that the page had read."""
+    labelling = tracks_repository.find_labelling(session, merge.labelling_id)
+    drive = tracks_repository.drive_of_labelling(session, merge.labelling_id)
+    tracks = tracks_repository.tracks_with(session, merge.labelling_id, tracks_of_merge(merge))
+    require_fresh(
+        session,
+        drive,
+        labelling,
+        {track.identity_id for track in tracks},
+        seen_revision,
+        track_ids={*tracks_of_merge(merge), merge.tracked_a, merge.tracked_b},
+    )
 
 
 def _require_linkable(session: Session, merge: MergeRow) -> None:
@@ -129,38 +167,40 @@ def tracks_of_merge(merge: MergeRow) -> tuple[int, int]:
     return merge.track_a, merge.track_b
 
 
-def _held_pairs(session: Session, labelling_id: int) -> list[tuple[int, int]]:
-    """What makes tracks one object now: merges, and what people joined."""
+def _held_pairs(session: Session, labelling_id: int, track_ids: Collection[int] | None = None) -> list[tuple[int, int]]:
+    """What makes tracks one object now, of all or of some: merges, and what people joined."""
     pieces = edits_repository.pieces(session, labelling_id)
     joined = [pair for pair in edits_repository.pairs(session, labelling_id, pieces) if pair.kind is EffectKind.SAME]
     return [
-        *repository.accepted_pairs(session, labelling_id),
+        *repository.accepted_pairs(session, labelling_id, track_ids),
         *((pair.track_a, pair.track_b) for pair in joined),
     ]
 
 
-def _to_merge(row: MergeRow, impact: Impact, camera_of: dict[int, str]) -> Merge:
+def _values(row: MergeRow | StoredMerge, impact: Impact, camera_of: dict[int, str]) -> dict[str, Any]:
+    """The values of a :class:`app.merges.schemas.Merge`."""
     label_count = impact.label_count(row)
-    track_a, track_b = tracks_of_merge(row)
-    return Merge(
-        id=row.id,
-        track_a=track_a,
-        track_b=track_b,
-        camera_a=camera_of[track_a],
-        camera_b=camera_of[track_b],
-        score=row.score,
-        probability=row.score,
-        state=MergeState(row.state),
-        decided_by=DecidedBy(row.decided_by),
-        shared_frames=row.shared_frames,
-        agreeing_frames=row.agreeing_frames,
-        mean_distance_m=row.mean_distance_m,
-        mean_bev_iou=row.mean_bev_iou,
-        reason=row.reason,
-        best_frames=[MergeFrame.model_validate(frame) for frame in row.best_frames],
-        evidence=MergeEvidence.model_validate(row.evidence) if row.evidence else None,
-        label_count=label_count,
-        priority=priority(label_count, row.score),
-        identity_a=impact.identity_of(track_a),
-        identity_b=impact.identity_of(track_b),
-    )
+    track_a, track_b = row.tracks
+    evidence = {name: value for name, value in row.evidence.items() if name != "plot"}
+    return {
+        "id": row.id,
+        "track_a": track_a,
+        "track_b": track_b,
+        "camera_a": camera_of[track_a],
+        "camera_b": camera_of[track_b],
+        "score": row.score,
+        "probability": row.score if evidence.get("calibrated") else None,
+        "state": row.state,
+        "decided_by": row.decided_by,
+        "shared_frames": row.shared_frames,
+        "agreeing_frames": row.agreeing_frames,
+        "mean_distance_m": row.mean_distance_m,
+        "mean_bev_iou": row.mean_bev_iou,
+        "reason": row.reason,
+        "best_frames": row.best_frames,
+        "evidence": evidence or None,
+        "label_count": label_count,
+        "priority": priority(label_count, row.score),
+        "identity_a": impact.identity_of(track_a),
+        "identity_b": impact.identity_of(track_b),
+    }

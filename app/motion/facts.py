@@ -15,7 +15,8 @@ from app.motion import repository
 from app.motion.checks import Failure, distances_m, failures
 from app.motion.paths import paths_of_tracks
 from app.tracks import repository as tracks_repository
-from app.tracks.models import LabellingRow, TrackRow
+from app.tracks.models import LabellingRow
+from app.tracks.repository import TrackFacts
 
 KEPT_LABELLINGS = 4
 TRACKS_AT_ONCE = 2_000
@@ -56,11 +57,11 @@ class FactsCache:
                 self._labellings.popitem(last=False)
             before = dict(known.facts)
         classes = dict(repository.classes_of_identities(session, labelling.id))
-        members: dict[int, list[TrackRow]] = {identity_id: [] for identity_id in classes}
-        for track in tracks_repository.tracks_of(session, labelling.id):
+        members: dict[int, list[TrackFacts]] = {identity_id: [] for identity_id in classes}
+        for track in tracks_repository.track_facts(session, labelling.id):
             members[track.identity_id].append(track)
         now: dict[int, tuple[int, Parts, Facts]] = {}
-        changed: dict[int, list[TrackRow]] = {}
+        changed: dict[int, list[TrackFacts]] = {}
         for identity_id, tracks in members.items():
             parts, old = _parts(tracks), before.get(identity_id)
             if old is not None and old[:2] == (classes[identity_id], parts):
@@ -74,12 +75,12 @@ class FactsCache:
         return {identity_id: entry[2] for identity_id, entry in now.items()}
 
 
-def _parts(tracks: Iterable[TrackRow]) -> Parts:
+def _parts(tracks: Iterable[TrackFacts]) -> Parts:
     return tuple((track.track_id, track.first_frame, track.last_frame, track.observation_count) for track in tracks)
 
 
 def _work_out(
-    session: Session, labelling: LabellingRow, members: Mapping[int, list[TrackRow]], classes: Mapping[int, int]
+    session: Session, labelling: LabellingRow, members: Mapping[int, list[TrackFacts]], classes: Mapping[int, int]
 ) -> Iterable[tuple[int, Facts]]:
     """A few identities at a time, so that memory does not grow with the drive."""
     waiting: list[int] = []
@@ -94,7 +95,7 @@ def _work_out(
 
 
 def _facts(
-    session: Session, labelling: LabellingRow, members: Mapping[int, list[TrackRow]], classes: Mapping[int, int]
+    session: Session, labelling: LabellingRow, members: Mapping[int, list[TrackFacts]], classes: Mapping[int, int]
 ) -> Iterable[tuple[int, Facts]]:
     track_ids = [track.track_id for tracks in members.values() for track in tracks]
     ways = paths_of_tracks(session, labelling.drive_id, labelling.id, track_ids)
@@ -105,9 +106,9 @@ def _facts(
         yield identity_id, Facts(*distances_m(paths), tuple(failed))
 
 
-def _shared_frame(session: Session, labelling_id: int, tracks: list[TrackRow]) -> int | None:
+def _shared_frame(session: Session, labelling_id: int, tracks: list[TrackFacts]) -> int | None:
     """The first frame in which two tracks of one camera are; asked of the store only where their times overlap."""
-    by_camera: dict[int, list[TrackRow]] = {}
+    by_camera: dict[int, list[TrackFacts]] = {}
     for track in tracks:
         by_camera.setdefault(track.camera_id, []).append(track)
     for group in by_camera.values():

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from app.db.session import Session
 from app.motion import repository
-from app.motion.repository import BoxOfTrack
+from app.motion.repository import FrameOfDrive
 
 
 class PathFrame(StrEnum):
@@ -56,48 +56,41 @@ class BoxPath:
 
 def paths_of_tracks(session: Session, drive_id: int, labelling_id: int, track_ids: Sequence[int]) -> dict[int, BoxPath]:
     """The way of each track that has 3D boxes."""
-    rows = repository.boxes_of_tracks(session, drive_id, labelling_id, track_ids)
+    rows = repository.boxes_of_tracks(session, labelling_id, track_ids)
     if not rows:
         return {}
-    frame = PathFrame.EGO if any(row.ego_x_m is None for row in rows) else PathFrame.CITY
-    path = _to_path(rows, frame)
-    track_id = np.array([row.track_id for row in rows])
+    boxes = np.array(rows, np.float64)
+    frame_index = boxes[:, 1].astype(np.int64)
+    path = _to_path(boxes, repository.frames_between(session, drive_id, *_span(frame_index)))
+    track_id = boxes[:, 0].astype(np.int64)
     starts = np.flatnonzero(np.r_[True, track_id[1:] != track_id[:-1]])
     stops = [*starts[1:].tolist(), len(rows)]
     return {int(track_id[start]): path[slice(start, stop)] for start, stop in zip(starts.tolist(), stops, strict=True)}
 
 
-def _to_path(rows: Sequence[BoxOfTrack], frame: PathFrame) -> BoxPath:
-    values = np.array(
-        [
-            (
-                row.center_x_m,
-                row.center_y_m,
-                row.yaw_rad,
-                row.length_m,
-                row.width_m,
-                row.height_m,
-                row.ego_x_m or 0.0,
-                row.ego_y_m or 0.0,
-                row.ego_yaw_rad or 0.0,
-            )
-            for row in rows
-        ]
-    )
-    x, y, yaw = values[:, 0], values[:, 1], values[:, 2]
+def _span(frame_index: NDArray[np.int64]) -> tuple[int, int]:
+    return int(frame_index.min()), int(frame_index.max())
+
+
+def _to_path(boxes: NDArray[np.float64], frames: Sequence[FrameOfDrive]) -> BoxPath:
+    """Of ``boxes`` (N, 8), columns as in BoxOfTrack."""
+    frame_index = boxes[:, 1].astype(np.int64)
+    row = np.searchsorted([frame.frame_index for frame in frames], frame_index)
+    x, y, yaw = boxes[:, 2], boxes[:, 3], boxes[:, 4]
+    ego = np.array([(frame.ego_x_m, frame.ego_y_m, frame.ego_yaw_rad) for frame in frames], np.float64)[row]
+    frame = PathFrame.EGO if np.isnan(ego).any() else PathFrame.CITY
+    xy = np.stack([x, y], axis=1)
     if frame is PathFrame.CITY:
-        ego_x, ego_y, turn = values[:, 6], values[:, 7], values[:, 8]
+        turn = ego[:, 2]
         cos, sin = np.cos(turn), np.sin(turn)
-        city_x, city_y = cos * x - sin * y + ego_x, sin * x + cos * y + ego_y
-        xy, yaw = np.stack([city_x, city_y], axis=1), _wrapped(yaw + turn)
-    else:
-        xy = np.stack([x, y], axis=1)
+        xy = np.stack([cos * x - sin * y, sin * x + cos * y], axis=1) + ego[:, :2]
+        yaw = _wrapped(yaw + turn)
     return BoxPath(
-        frame_index=np.array([row.frame_index for row in rows], np.int64),
-        time_s=np.array([row.timestamp_ns for row in rows], np.int64) / 1e9,
+        frame_index=frame_index,
+        time_s=np.array([one.timestamp_ns for one in frames], np.int64)[row] / 1e9,
         xy_m=xy,
         yaw_rad=yaw,
-        size_m=values[:, 3:6],
+        size_m=boxes[:, 5:8],
         ego_distance_m=np.hypot(x, y),
         frame=frame,
     )

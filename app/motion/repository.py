@@ -8,22 +8,28 @@ from sqlalchemy.orm import Session
 
 from app.drives.models import FrameRow
 from app.identities.models import IdentityRow
-from app.tracks.models import Box3DRow
-from app.tracks.repository import IDS_PER_QUERY
+from app.tracks.models import Box3DRow, ObservationRow, TrackRow
+from app.tracks.repository import IDS_PER_QUERY, plain_rows, same_track
 
 
 class BoxOfTrack(NamedTuple):
-    """A 3D box of a track in the ego frame of its frame [m, rad], and where the car was then (None: not recorded)."""
+    """A 3D box of a track in the ego frame of its frame [m, rad]."""
 
     track_id: int
     frame_index: int
-    timestamp_ns: int
     center_x_m: float
     center_y_m: float
     yaw_rad: float
     length_m: float
     width_m: float
     height_m: float
+
+
+class FrameOfDrive(NamedTuple):
+    """When a frame was, and where the car was then in the city frame [m, rad]; None where that was not recorded."""
+
+    frame_index: int
+    timestamp_ns: int
     ego_x_m: float | None
     ego_y_m: float | None
     ego_yaw_rad: float | None
@@ -38,33 +44,54 @@ class EgoAt(NamedTuple):
     yaw_rad: float
 
 
-def boxes_of_tracks(session: Session, drive_id: int, labelling_id: int, track_ids: Sequence[int]) -> list[BoxOfTrack]:
-    """The 3D boxes of some tracks by track and frame."""
+class PlaceOfObservation(NamedTuple):
+    """Where the object of an observation is, in the ego frame of its frame [m]; None where it has no 3D box."""
+
+    observation_id: int
+    x_m: float | None
+    y_m: float | None
+
+
+def places_of_observations(
+    session: Session, labelling_id: int, observation_ids: Sequence[int]
+) -> list[PlaceOfObservation]:
+    """By the 3D box that the track of each observation has in its frame, made for its own camera."""
     query = (
-        select(
-            Box3DRow.track_id,
-            Box3DRow.frame_index,
-            FrameRow.timestamp_ns,
-            Box3DRow.center_x_m,
-            Box3DRow.center_y_m,
-            Box3DRow.yaw_rad,
-            Box3DRow.length_m,
-            Box3DRow.width_m,
-            Box3DRow.height_m,
-            FrameRow.ego_x_m,
-            FrameRow.ego_y_m,
-            FrameRow.ego_yaw_rad,
+        select(ObservationRow.id, Box3DRow.center_x_m, Box3DRow.center_y_m)
+        .join(TrackRow, same_track(TrackRow, ObservationRow))
+        .outerjoin(
+            Box3DRow,
+            and_(
+                same_track(Box3DRow, ObservationRow),
+                Box3DRow.frame_index == ObservationRow.frame_index,
+                Box3DRow.camera_id == TrackRow.camera_id,
+            ),
         )
-        .join(FrameRow, and_(FrameRow.drive_id == drive_id, FrameRow.frame_index == Box3DRow.frame_index))
-        .where(Box3DRow.labelling_id == labelling_id)
-        .order_by(Box3DRow.track_id, Box3DRow.frame_index)
+        .where(ObservationRow.labelling_id == labelling_id, ObservationRow.id.in_(observation_ids))
+        .order_by(ObservationRow.id)
     )
+    return [PlaceOfObservation._make(row) for row in session.execute(query)]
+
+
+def boxes_of_tracks(session: Session, labelling_id: int, track_ids: Sequence[int]) -> list[BoxOfTrack]:
+    """The 3D boxes of some tracks by track and frame; plain tuples in the order of BoxOfTrack, as they are many."""
+    columns = (getattr(Box3DRow, name) for name in BoxOfTrack._fields)
+    query = select(*columns).where(Box3DRow.labelling_id == labelling_id)
+    query = query.order_by(Box3DRow.track_id, Box3DRow.frame_index)
     ids = sorted(track_ids)
-    return [
-        BoxOfTrack._make(row)
-        for start in range(0, len(ids), IDS_PER_QUERY)
-        for row in session.execute(query.where(Box3DRow.track_id.in_(ids[start : start + IDS_PER_QUERY])))
-    ]
+    found: list[BoxOfTrack] = []
+    for start in range(0, len(ids), IDS_PER_QUERY):
+        found += plain_rows(session, query.where(Box3DRow.track_id.in_(ids[start : start + IDS_PER_QUERY])))
+    return found
+
+
+def frames_between(session: Session, drive_id: int, first: int, last: int) -> list[FrameOfDrive]:
+    """The frames ``first <= frame_index <= last`` in order."""
+    columns = (getattr(FrameRow, name) for name in FrameOfDrive._fields)
+    query = select(*columns).where(
+        FrameRow.drive_id == drive_id, FrameRow.frame_index >= first, FrameRow.frame_index <= last
+    )
+    return [FrameOfDrive._make(row) for row in plain_rows(session, query.order_by(FrameRow.frame_index))]
 
 
 def classes_of_identities(session: Session, labelling_id: int) -> list[tuple[int, int]]:

@@ -14,6 +14,13 @@ class FailedCheck(BaseModel):
     frame_index: int
 
 
+class ObservationDistance(BaseModel):
+    """How far an object was from the car, seen from above; null where its box has no 3D box there."""
+
+    observation_id: int
+    distance_m: float | None
+
+
 class IdentityFacts(BaseModel):
     """What follows from an identity's 3D boxes; distances are from the car, null without 3D boxes."""
 

@@ -3,14 +3,12 @@
 from collections.abc import Sequence
 from typing import Any, NamedTuple, cast
 
-from sqlalchemy import CursorResult, Integer, and_, bindparam, column, exists, or_, select, true, update, values
-from sqlalchemy.orm import Session
+from sqlalchemy import CursorResult, and_, bindparam, exists, or_, select, true, update
+from sqlalchemy.orm import Session, aliased
 
 from app.tracks.models import LabelRow, ObservationRow, TrackRow
-from app.tracks.repository import same_track
+from app.tracks.repository import IDS_PER_QUERY, plain_rows, same_track
 
-IDS_PER_QUERY = 1_000
-PAIRS_PER_QUERY = 400
 LABEL_COLUMNS = ("class_id", "score", "source", "donor_track_id", "donor_frame_index", "withheld", "probability")
 
 
@@ -120,45 +118,41 @@ def labelled_frames(session: Session, labelling_id: int, start: int, stop: int) 
     return LabelledFrames(
         observations,
         {track_id: TrackPlace(identity_id, camera_id) for track_id, identity_id, camera_id in session.execute(present)},
-        _donors(session, labelling_id, {(row.donor_track_id, row.donor_frame_index) for row in observations}),
+        _donors(session, labelling_id, start, stop),
     )
 
 
-def _donors(
-    session: Session, labelling_id: int, wanted: set[tuple[int, int]]
-) -> dict[tuple[int, int], DonorObservation]:
-    """Observations by track and frame.
-
-    The pairs are a table of the query, so that each is looked up in the index; SQLite scans all rows for a list of
-    pairs.
-    """
-    found: dict[tuple[int, int], DonorObservation] = {}
-    pairs = sorted(wanted)
-    for start in range(0, len(pairs), PAIRS_PER_QUERY):
-        some = values(column("track_id", Integer), column("frame_index", Integer), name="wanted")
-        asked = some.data(pairs[start : start + PAIRS_PER_QUERY]).cte("wanted")
-        query = (
-            select(
-                TrackRow.track_id,
-                ObservationRow.frame_index,
-                ObservationRow.id,
-                TrackRow.camera_id,
-                ObservationRow.score,
-            )
-            .select_from(asked)
-            .join(
-                ObservationRow,
-                and_(
-                    ObservationRow.labelling_id == labelling_id,
-                    ObservationRow.track_id == asked.c.track_id,
-                    ObservationRow.frame_index == asked.c.frame_index,
-                ),
-            )
-            .join(TrackRow, same_track(TrackRow, ObservationRow))
+def _donors(session: Session, labelling_id: int, start: int, stop: int) -> dict[tuple[int, int], DonorObservation]:
+    """The donors of the labels of some frames, each once, by track and frame."""
+    wanted = (
+        select(LabelRow.donor_track_id, LabelRow.donor_frame_index)
+        .join(ObservationRow, is_label_of_observation())
+        .where(
+            ObservationRow.labelling_id == labelling_id,
+            ObservationRow.frame_index >= start,
+            ObservationRow.frame_index < stop,
         )
-        for track_id, frame_index, observation_id, camera_id, score in session.execute(query):
-            found[track_id, frame_index] = DonorObservation(observation_id, camera_id, score)
-    return found
+        .distinct()
+        .subquery()
+    )
+    donor = aliased(ObservationRow)
+    query = (
+        select(donor.track_id, donor.frame_index, donor.id, TrackRow.camera_id, donor.score)
+        .select_from(wanted)
+        .join(
+            donor,
+            and_(
+                donor.labelling_id == labelling_id,
+                donor.track_id == wanted.c.donor_track_id,
+                donor.frame_index == wanted.c.donor_frame_index,
+            ),
+        )
+        .join(TrackRow, same_track(TrackRow, donor))
+    )
+    return {
+        (track_id, frame_index): DonorObservation(observation_id, camera_id, score)
+        for track_id, frame_index, observation_id, camera_id, score in plain_rows(session, query)
+    }
 
 
 def boxes_of_tracks(session: Session, labelling_id: int, track_ids: Sequence[int]) -> list[BoxAndLabel]:

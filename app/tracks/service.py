@@ -9,7 +9,6 @@ from app.errors import InvalidRequest, NotFound
 from app.tracks import label_repository, repository
 from app.tracks.label_repository import LabelledFrames, LabelledObservation
 from app.tracks.runs import score_runs
-from app.tracks.schemas import Track
 
 MAX_FRAMES = 200
 TRUST_DIGITS = 3
@@ -46,28 +45,31 @@ def observations_json(session: Session, drive_id: int, start: int, stop: int) ->
     )
 
 
-def list_tracks(session: Session, drive_id: int) -> list[Track]:
-    """Tracks of the drive in order of id; none before it is labelled."""
+def tracks_json(session: Session, drive_id: int) -> bytes:
+    """:class:`app.tracks.schemas.Track` of every track in order of id, as JSON; none before the drive is labelled."""
     if drives_repository.find(session, drive_id) is None:
         raise NotFound(f"There is no drive {drive_id}. It may have been deleted.")
     labelling = repository.current_labelling(session, drive_id)
     if labelling is None:
-        return []
+        return to_json([])
     cameras = repository.camera_names(session, drive_id)
-    return [
-        Track(
-            id=row.track_id,
-            camera=cameras[row.camera_id],
-            first_frame=row.first_frame,
-            last_frame=row.last_frame,
-            observation_count=row.observation_count,
-            identity_id=row.identity_id,
-            best_score=row.best_score,
-            best_frame=row.best_frame,
-            class_name=labelling.class_names[row.class_id],
-        )
-        for row in repository.tracks_of(session, labelling.id)
-    ]
+    names = labelling.class_names
+    return to_json(
+        [
+            {
+                "id": row.track_id,
+                "camera": cameras[row.camera_id],
+                "first_frame": row.first_frame,
+                "last_frame": row.last_frame,
+                "observation_count": row.observation_count,
+                "identity_id": row.identity_id,
+                "best_score": row.best_score,
+                "best_frame": row.best_frame,
+                "class_name": names[row.class_id],
+            }
+            for row in repository.track_facts(session, labelling.id)
+        ]
+    )
 
 
 def score_runs_json(session: Session, drive_id: int) -> bytes:

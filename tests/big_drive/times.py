@@ -13,15 +13,18 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from pydantic import TypeAdapter
+
 from app.db.engine import migrate, open_engine
 from app.db.session import Store
 from app.errors import CannotLink
+from app.identities.service import identities_json
 from app.merges import looks, service
-from app.merges.schemas import MergeState
+from app.merges.schemas import Merge, MergeState
 from app.motion.facts import FactsCache
 from app.motion.service import list_facts
 from app.summary.service import histogram
-from app.tracks.service import observations_json
+from app.tracks.service import observations_json, tracks_json
 
 RUNS = 9
 
@@ -32,7 +35,8 @@ def measure(workspace: Path) -> dict[str, float]:
     migrate(engine)
     store = Store(engine)
     with store.read() as session:
-        merges = service.list_merges(session, 1, MergeState.PROPOSED)
+        answer = service.merges_json(session, 1, MergeState.PROPOSED)
+    merges = TypeAdapter(list[Merge]).validate_json(answer)
     most_first = sorted(merges, key=lambda merge: (-merge.priority, merge.id))
     queue = [merge for merge in most_first[: 4 * RUNS] if _fits(store, merge.id)][:RUNS]
     cache = FactsCache()
@@ -53,7 +57,9 @@ def measure(workspace: Path) -> dict[str, float]:
             return service.undo_merge(session, merge_id, reviewer="benchmark")
 
     found = {
-        "list merges": _median([read(lambda session: service.list_merges(session, 1, None))] * RUNS),
+        "list merges": _median([read(lambda session: service.merges_json(session, 1, None))] * RUNS),
+        "list identities": _median([read(lambda session: identities_json(session, 1))] * RUNS),
+        "list tracks": _median([read(lambda session: tracks_json(session, 1))] * RUNS),
         "looks of a merge": _median(
             [read(lambda session, one=merge: looks.looks_of_merge(session, one.id)) for merge in queue]
         ),

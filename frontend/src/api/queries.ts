@@ -134,6 +134,18 @@ export const auditQuery = (id: number) =>
   queryOptions({
     queryKey: ["drive", id, "audit"],
     queryFn: ({ signal }) => unwrap(api.GET("/api/drives/{drive_id}/audit", { ...at(id), signal })),
+
+/** How far what is in some boxes was from the car: 3D boxes of a labelling never change. */
+export const distancesQuery = (id: number, observationIds: readonly number[]) =>
+  queryOptions({
+    queryKey: ["distances", id, ...observationIds],
+    queryFn: async ({ signal }) => {
+      const params = { path: { drive_id: id }, query: { observation_id: [...observationIds] } };
+      const found = await unwrap(api.GET("/api/drives/{drive_id}/distances", { params, signal }));
+      return new Map(found.map((one) => [one.observation_id, one.distance_m]));
+    },
+    enabled: observationIds.length > 0,
+    staleTime: Number.POSITIVE_INFINITY,
   });
 
 /** Distances and failed checks of identities, for each revision of them. */

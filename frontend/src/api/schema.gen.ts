@@ -263,7 +263,7 @@ export interface paths {
         put?: never;
         /**
          * Accept Merge
-         * @description Say that the two tracks are one object; 409 where that can't be.
+         * @description Say that the two tracks are one object; 409 where that can't be, or where they have changed since `revision`.
          */
         post: operations["accept_merge"];
         delete?: never;
@@ -670,6 +670,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/drives/{drive_id}/distances": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Distances
+         * @description How far the objects in some boxes were from the car.
+         */
+        get: operations["list_distances"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/drives/{drive_id}/facts": {
         parameters: {
             query?: never;
@@ -974,6 +994,28 @@ export interface components {
             observations: components["schemas"]["ObservationPlace"][];
         };
         /**
+         * DonorEdit
+         * @description The identity is not to take its label from this observation, or from none of its track: it is propagated anew.
+         */
+        DonorEdit: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "donor";
+            /** Identity Id */
+            identity_id: number;
+            /** Track Id */
+            track_id: number;
+            /** Frame Index */
+            frame_index: number;
+            /**
+             * Whole Track
+             * @default false
+             */
+            whole_track: boolean;
+        };
+        /**
          * Drive
          * @description A recorded drive in a list; ``job`` is its latest label job.
          */
@@ -1165,7 +1207,7 @@ export interface components {
          * @description What a decision does. The first are about a merge, the last two about another decision.
          * @enum {string}
          */
-        EditAction: "accept" | "reject" | "unsure" | "undo" | "class" | "split" | "join" | "swap" | "delete" | "box" | "interpolate" | "mark" | "comment" | "undo_edit" | "redo_edit";
+        EditAction: "accept" | "reject" | "unsure" | "undo" | "class" | "split" | "join" | "swap" | "delete" | "box" | "interpolate" | "donor" | "mark" | "comment" | "undo_edit" | "redo_edit";
         /**
          * EditChange
          * @description What a correction changed; ``identity_ids`` are the identities that its tracks are in afterwards.
@@ -1199,7 +1241,7 @@ export interface components {
          */
         EditRequest: {
             /** Edit */
-            edit: components["schemas"]["ClassEdit"] | components["schemas"]["SplitEdit"] | components["schemas"]["JoinEdit"] | components["schemas"]["SwapEdit"] | components["schemas"]["DeleteEdit"] | components["schemas"]["BoxEdit"] | components["schemas"]["InterpolateEdit"] | components["schemas"]["MarkEdit"] | components["schemas"]["CommentEdit"];
+            edit: components["schemas"]["ClassEdit"] | components["schemas"]["SplitEdit"] | components["schemas"]["JoinEdit"] | components["schemas"]["SwapEdit"] | components["schemas"]["DeleteEdit"] | components["schemas"]["BoxEdit"] | components["schemas"]["InterpolateEdit"] | components["schemas"]["DonorEdit"] | components["schemas"]["MarkEdit"] | components["schemas"]["CommentEdit"];
             /**
              * Revision
              * @description The revision that the page had read; refused (409, stale) where the same objects changed.
@@ -1640,9 +1682,9 @@ export interface components {
             score: number;
             /**
              * Probability
-             * @description How likely it is that both tracks are one object, from 0 to 1.
+             * @description How likely it is that both tracks are one object, from 0 to 1; null where the score is none: see evidence.calibrated.
              */
-            probability: number;
+            probability: number | null;
             state: components["schemas"]["MergeState"];
             decided_by: components["schemas"]["DecidedBy"];
             /** Shared Frames */
@@ -1672,7 +1714,7 @@ export interface components {
             label_count: number;
             /**
              * Priority
-             * @description Impact times uncertainty: label_count times the entropy of the probability in bits. The queue goes from high to low.
+             * @description Impact times uncertainty: label_count times the entropy of the score in bits, 1 at .5 and 0 at 0 and 1. The queue goes from high to low.
              */
             priority: number;
             /** Identity A */
@@ -1696,6 +1738,17 @@ export interface components {
             identity_ids: number[];
             /** Revision */
             revision: number;
+        };
+        /**
+         * MergeDecision
+         * @description What comes with a decision about a merge.
+         */
+        MergeDecision: {
+            /**
+             * Revision
+             * @description The revision that the page had read; refused (409, stale) where the same objects changed.
+             */
+            revision?: number | null;
         };
         /**
          * MergeEvidence
@@ -1722,7 +1775,6 @@ export interface components {
             features: components["schemas"]["MergeFeature"][];
             /** Bias Log Odds */
             bias_log_odds: number;
-            plot: components["schemas"]["MergePlot"] | null;
         };
         /**
          * MergeFeature
@@ -1783,6 +1835,8 @@ export interface components {
              */
             strip: components["schemas"]["Look"][];
             ego: components["schemas"]["Way"];
+            /** @description What the machine drew as its evidence; null where it drew nothing. */
+            plot: components["schemas"]["MergePlot"] | null;
         };
         /**
          * MergePlot
@@ -1926,6 +1980,16 @@ export interface components {
              */
             trust?: number | null;
             label: components["schemas"]["Label"];
+        };
+        /**
+         * ObservationDistance
+         * @description How far an object was from the car, seen from above; null where its box has no 3D box there.
+         */
+        ObservationDistance: {
+            /** Observation Id */
+            observation_id: number;
+            /** Distance M */
+            distance_m: number | null;
         };
         /**
          * ObservationPage
@@ -2678,7 +2742,11 @@ export interface operations {
             };
             cookie?: never;
         };
-        requestBody?: never;
+        requestBody?: {
+            content: {
+                "application/json": components["schemas"]["MergeDecision"];
+            };
+        };
         responses: {
             /** @description Successful Response */
             200: {
@@ -2712,7 +2780,11 @@ export interface operations {
             };
             cookie?: never;
         };
-        requestBody?: never;
+        requestBody?: {
+            content: {
+                "application/json": components["schemas"]["MergeDecision"];
+            };
+        };
         responses: {
             /** @description Successful Response */
             200: {
@@ -2746,7 +2818,11 @@ export interface operations {
             };
             cookie?: never;
         };
-        requestBody?: never;
+        requestBody?: {
+            content: {
+                "application/json": components["schemas"]["MergeDecision"];
+            };
+        };
         responses: {
             /** @description Successful Response */
             200: {
@@ -2780,7 +2856,11 @@ export interface operations {
             };
             cookie?: never;
         };
-        requestBody?: never;
+        requestBody?: {
+            content: {
+                "application/json": components["schemas"]["MergeDecision"];
+            };
+        };
         responses: {
             /** @description Successful Response */
             200: {
@@ -3401,6 +3481,40 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content?: never;
+            };
+            /** @description What was wrong, where, and what to do. */
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    list_distances: {
+        parameters: {
+            query: {
+                /** @description Observations, by the store's id. */
+                observation_id: number[];
+            };
+            header?: never;
+            path: {
+                drive_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ObservationDistance"][];
+                };
             };
             /** @description What was wrong, where, and what to do. */
             "4XX": {

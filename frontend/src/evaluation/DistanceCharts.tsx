@@ -1,6 +1,7 @@
 import { VisuallyHidden } from "@mantine/core";
 import { useMemo } from "react";
 import type { Evaluation } from "../api/types";
+import pageClasses from "../app/DrivePage.module.css";
 import { count, percent } from "../app/format";
 import { useSize } from "../app/useSize";
 import { text } from "../strings";
@@ -15,7 +16,7 @@ const SHARES = [0, 0.25, 0.5, 0.75, 1];
 /** Recall from near to far, a chart for each IoU. */
 export function DistanceCharts({ rows }: { rows: Evaluation["by_distance"] }) {
   return (
-    <section className={classes.card} aria-labelledby="distance">
+    <section className={pageClasses.card} aria-labelledby="distance">
       <div className={classes.cardHead}>
         <h2 id="distance" className={classes.heading}>
           {text.evaluation.distanceTitle}

@@ -1,12 +1,13 @@
-import { Button, Center, Group, Loader, Skeleton, Stack, Text } from "@mantine/core";
-import { IconChartLine, IconPhoto, IconTargetOff } from "@tabler/icons-react";
+import { Button, Group, Loader, Skeleton, Stack, Text } from "@mantine/core";
+import { IconChartLine, IconTargetOff } from "@tabler/icons-react";
 import { useQuery } from "@tanstack/react-query";
-import { type ReactNode, useEffect } from "react";
+import type { ReactNode } from "react";
 import { Link } from "wouter";
 import { ApiError, messageOf } from "../api/client";
-import { driveQuery, evaluationQuery, isBusy } from "../api/queries";
+import { evaluationQuery, isBusy } from "../api/queries";
 import type { DriveDetail, Evaluation } from "../api/types";
-import { Header } from "../app/Header";
+import { DrivePage } from "../app/DrivePage";
+import pageClasses from "../app/DrivePage.module.css";
 import { Notice } from "../app/Notice";
 import { JobProgress } from "../drives/JobProgress";
 import { LabelButton } from "../drives/LabelButton";
@@ -18,50 +19,14 @@ import { MethodsTable } from "./MethodsTable";
 
 /** How good a drive's labels are: the paper's table, recall by distance, and how well identities hold. */
 export function EvaluationPage({ driveId }: { driveId: number }) {
-  const { data: drive, error, refetch } = useQuery(driveQuery(driveId));
-  useEffect(() => {
-    document.title = `${drive ? text.evaluation.title(drive.name) : text.evaluation.name} · ${text.app.name}`;
-  }, [drive]);
   return (
-    <div className={classes.page}>
-      <Header
-        actions={
-          drive && (
-            <Button
-              component={Link}
-              href={`/drives/${driveId}`}
-              size="xs"
-              variant="default"
-              leftSection={<IconPhoto size={16} />}
-              aria-label={text.drives.reviewOf(drive.name)}
-            >
-              {text.drives.review}
-            </Button>
-          )
-        }
-      >
-        {drive && (
-          <Text size="sm" fw={560} truncate>
-            {drive.name}
-          </Text>
-        )}
-      </Header>
-      <main className={classes.main}>
-        {drive && <Content drive={drive} />}
-        {!drive && error && (
-          <Notice title={text.review.loadFailed} onRetry={() => void refetch()} role="alert">
-            {messageOf(error)}
-            <br />
-            <Link href="/">{text.app.backToDrives}</Link>
-          </Notice>
-        )}
-        {!drive && !error && (
-          <Center flex={1}>
-            <Loader role="img" aria-label={text.review.loading} />
-          </Center>
-        )}
-      </main>
-    </div>
+    <DrivePage
+      driveId={driveId}
+      title={(drive) => (drive ? text.evaluation.title(drive.name) : text.evaluation.name)}
+      className={classes.page}
+    >
+      {(drive) => <Content drive={drive} />}
+    </DrivePage>
   );
 }
 
@@ -112,7 +77,7 @@ function Compared({ drive, evaluation }: { drive: DriveDetail; evaluation: Evalu
   return (
     <>
       <header className={classes.head}>
-        <h1 className={classes.title}>{text.evaluation.of(drive.name)}</h1>
+        <h1 className={pageClasses.title}>{text.evaluation.of(drive.name)}</h1>
         <p className={classes.intro}>
           {text.evaluation.settings(confidence, max_distance_m, truth_count, dont_care_count)}{" "}
           {text.evaluation.classes[evaluation.classes]}
@@ -154,7 +119,7 @@ function State({ title, hint, icon = <IconChartLine size={34} stroke={1.3} />, c
   return (
     <Stack align="center" justify="center" flex={1} gap="sm" p="xl" ta="center" role="status">
       {icon}
-      <h1 className={classes.title}>{title}</h1>
+      <h1 className={pageClasses.title}>{title}</h1>
       <Text size="sm" c="var(--muted)" maw={480} style={{ textWrap: "balance" }}>
         {hint}
       </Text>

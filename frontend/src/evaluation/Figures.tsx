@@ -1,4 +1,5 @@
 import type { Evaluation } from "../api/types";
+import pageClasses from "../app/DrivePage.module.css";
 import { count, percent } from "../app/format";
 import { text } from "../strings";
 import classes from "./EvaluationPage.module.css";
@@ -12,7 +13,7 @@ interface FiguresProps {
 export function Figures({ tracking, merges }: FiguresProps) {
   return (
     <div className={classes.pair}>
-      <section className={classes.card} aria-labelledby="identities">
+      <section className={pageClasses.card} aria-labelledby="identities">
         <h2 id="identities" className={classes.heading}>
           {text.evaluation.identitiesTitle}
         </h2>
@@ -26,7 +27,7 @@ export function Figures({ tracking, merges }: FiguresProps) {
           />
         </dl>
       </section>
-      <section className={classes.card} aria-labelledby="merges">
+      <section className={pageClasses.card} aria-labelledby="merges">
         <h2 id="merges" className={classes.heading}>
           {text.evaluation.mergesTitle}
         </h2>

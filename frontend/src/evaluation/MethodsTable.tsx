@@ -1,6 +1,7 @@
 import { SegmentedControl, Table, Tooltip } from "@mantine/core";
 import { useSearchParams } from "wouter";
 import type { Evaluation } from "../api/types";
+import pageClasses from "../app/DrivePage.module.css";
 import { count, percent } from "../app/format";
 import { text } from "../strings";
 import classes from "./EvaluationPage.module.css";
@@ -36,7 +37,7 @@ export function MethodsTable({ evaluation }: { evaluation: Evaluation }) {
   const { rows } = evaluation;
   const ious = iousOf(rows);
   return (
-    <section className={classes.card} aria-labelledby="methods">
+    <section className={pageClasses.card} aria-labelledby="methods">
       <div className={classes.cardHead}>
         <h2 id="methods" className={classes.heading}>
           {text.evaluation.tableTitle}

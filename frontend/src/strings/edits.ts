@@ -39,6 +39,7 @@ export const edits = {
   nothingToSplit: "No track of the selection can be split here: go to the first frame that is another object.",
   notHere: "The selected object has no box in this frame.",
   noKeyframe: "There is no drawn box of this track in an earlier frame. Draw one there first.",
+  noDonorToReject: "The selected object has no donor that could be rejected.",
   noSuchClass: (n: number) => `There is no class ${n} here.`,
   drawing: "Drawing",
   drawOf: (id: number) => `Drawing boxes of #${id}: drag its handles, or drag a box where it has none.`,
@@ -75,6 +76,8 @@ export const edits = {
     box: (who: string, camera: string, frame: number) => `Box of ${who} drawn in ${camera}, frame ${frame}`,
     interpolate: (who: string, first: number, last: number) =>
       `Boxes of ${who} filled between frames ${first} and ${last}`,
+    donor: (who: string, camera: string, frame: number) => `Donor of ${who} rejected: ${camera}, frame ${frame}`,
+    donorTrack: (who: string, camera: string) => `Donor of ${who} rejected: all of its track in ${camera}`,
     mark: {
       reviewed: (who: string) => `${who} reviewed`,
       ignored: (who: string) => `${who} ignored`,

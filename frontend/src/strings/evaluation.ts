@@ -68,8 +68,7 @@ export const evaluation = {
     `${method}, ${bin}: ${share} of ${plural(n, "object")}`,
   identitiesTitle: "Identities over all cameras",
   hota: "HOTA",
-  hotaHint:
-    "Finding objects and keeping their identities as one figure: the geometric mean of both, 100% is perfect.",
+  hotaHint: "Finding objects and keeping their identities as one figure: the geometric mean of both, 100% is perfect.",
   idf1: "IDF1",
   idf1Hint: "The share of boxes that carry the right identity over the whole drive.",
   idSwitches: "Identity switches",

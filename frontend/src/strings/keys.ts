@@ -45,6 +45,7 @@ export const keys = {
     deleteBox: "Delete the box in this frame",
     deleteObject: "Delete the object",
     log: "Show the log",
+    rejectDonor: "Reject the donor of the selection",
     goToDonor: "Go to the donor frame of the selection",
     enlarge: "Enlarge one camera after the other",
     zoomIn: "Zoom into the camera",

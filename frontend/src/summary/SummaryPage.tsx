@@ -1,13 +1,13 @@
-import { Button, Center, Loader, Progress, Text } from "@mantine/core";
-import { IconPhoto } from "@tabler/icons-react";
+import { Button, Loader, Progress } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
-import { useEffect, useState } from "react";
+import { useState } from "react";
 import { Link } from "wouter";
 import { messageOf } from "../api/client";
-import { driveQuery, factsQuery, histogramQuery, identitiesQuery, mergesQuery } from "../api/queries";
+import { factsQuery, histogramQuery, identitiesQuery, mergesQuery } from "../api/queries";
 import type { DriveDetail, LabelHistogram } from "../api/types";
+import { DrivePage, PageLoading } from "../app/DrivePage";
+import pageClasses from "../app/DrivePage.module.css";
 import { count } from "../app/format";
-import { Header } from "../app/Header";
 import { Notice } from "../app/Notice";
 import { LabelButton } from "../drives/LabelButton";
 import { CHECKS, isReviewed, NO_FILTER, writeFilter } from "../review/identities/filter";
@@ -21,52 +21,10 @@ import { WhatIf } from "./WhatIf";
 
 /** The labels of a drive in numbers, and how far their review is. */
 export function SummaryPage({ driveId }: { driveId: number }) {
-  const { data: drive, error, refetch } = useQuery(driveQuery(driveId));
-  useEffect(() => {
-    document.title = `${drive ? text.summary.title(drive.name) : text.summary.name} · ${text.app.name}`;
-  }, [drive]);
   return (
-    <div className={classes.page}>
-      <Header
-        actions={
-          drive && (
-            <Button
-              component={Link}
-              href={`/drives/${driveId}`}
-              size="xs"
-              variant="default"
-              leftSection={<IconPhoto size={16} />}
-              aria-label={text.drives.reviewOf(drive.name)}
-            >
-              {text.drives.review}
-            </Button>
-          )
-        }
-      >
-        {drive && (
-          <Text size="sm" fw={560} truncate>
-            {drive.name}
-          </Text>
-        )}
-      </Header>
-      <main className={classes.main}>
-        {drive && <Content drive={drive} />}
-        {!drive && error && (
-          <Notice title={text.review.loadFailed} onRetry={() => void refetch()} role="alert">
-            {messageOf(error)}
-          </Notice>
-        )}
-        {!drive && !error && <Loading />}
-      </main>
-    </div>
-  );
-}
-
-function Loading() {
-  return (
-    <Center flex={1}>
-      <Loader role="img" aria-label={text.review.loading} />
-    </Center>
+    <DrivePage driveId={driveId} title={(drive) => (drive ? text.summary.title(drive.name) : text.summary.name)}>
+      {(drive) => <Content drive={drive} />}
+    </DrivePage>
   );
 }
 
@@ -87,11 +45,11 @@ function Content({ drive }: { drive: DriveDetail }) {
       </Notice>
     );
   }
-  if (!data) return <Loading />;
+  if (!data) return <PageLoading />;
   return (
     <>
       <header>
-        <h1 className={classes.title}>{text.summary.of(drive.name)}</h1>
+        <h1 className={pageClasses.title}>{text.summary.of(drive.name)}</h1>
         <p className={classes.quiet}>
           {text.summary.intro(drive.observation_count, drive.identity_count, drive.camera_names.length)}
         </p>
@@ -126,7 +84,7 @@ function Content({ drive }: { drive: DriveDetail }) {
 
 function Card({ name, children }: { name: string; children: React.ReactNode }) {
   return (
-    <section className={classes.card} aria-label={name}>
+    <section className={`${pageClasses.card} ${classes.card}`} aria-label={name}>
       <h2>{name}</h2>
       {children}
     </section>

@@ -5,6 +5,7 @@ from itertools import permutations
 import pytest
 
 from app.db.session import Store
+from app.merges.schemas import Merge
 from app.reviews import repository as reviews
 from tests.app.conftest import Page
 
@@ -128,7 +129,7 @@ def test_a_change_tells_all_merges_that_it_touches(page: Page) -> None:
 
 def test_the_queue_is_ordered_by_impact_times_uncertainty(page: Page) -> None:
     found = {(merge["track_a"], merge["track_b"]): merge for merge in page.get("merges")}
-    assert found[1, 3]["priority"] == 4.0  # 4 labels, probability .5: one bit
+    assert found[1, 3]["priority"] == 4.0  # 4 labels, score .5: one bit
     assert found[1, 2]["priority"] == pytest.approx(4 * 0.721928, abs=1e-3)  # 4 labels, .8
 
 
@@ -180,3 +181,38 @@ def test_label_counts_say_what_a_decision_will_change(page: Page) -> None:
     assert page.merge(2, 4)["label_count"] == page.decide("accept", 2, 4)["changed_label_count"] == 3
     # and undoing that splits 4 off again
     assert page.merge(2, 4)["label_count"] == page.decide("undo", 2, 4)["changed_label_count"] == 3
+
+
+def test_a_decision_is_refused_where_somebody_changed_one_of_the_objects(page: Page) -> None:
+    seen = page.client.get(f"/api/drives/{page.drive_id}").json()["revision"]
+    page.decide("accept", 3, 4)
+    for verb, track_a, track_b in (("reject", 3, 4), ("undo", 3, 4), ("accept", 2, 4), ("unsure", 1, 3)):
+        merge_id = page.merge(track_a, track_b)["id"]
+        answer = page.client.post(f"/api/merges/{merge_id}/{verb}", json={"revision": seen})
+        assert (answer.status_code, answer.json()["detail"]["code"]) == (409, "stale")
+        assert "local changed object #3, #4" in answer.json()["detail"]["message"]
+    # objects that nobody touched, and what is said twice, are not in anybody's way
+    untouched = page.client.post(f"/api/merges/{page.merge(1, 2)['id']}/accept", json={"revision": seen})
+    again = page.client.post(f"/api/merges/{page.merge(3, 4)['id']}/accept", json={"revision": seen})
+    assert (untouched.status_code, again.status_code) == (200, 200)
+
+
+def test_a_decision_about_a_part_of_what_was_split_meanwhile_is_refused(page: Page) -> None:
+    seen = page.client.get(f"/api/drives/{page.drive_id}").json()["revision"]
+    split = {"edit": {"kind": "split", "track_ids": [1], "frame_index": 2}}
+    assert page.client.post(f"/api/drives/{page.drive_id}/edits", json=split).status_code == 200
+    (merge,) = (one for one in page.get("merges") if one["score"] == 0.8)  # of 2 and the second part of 1 now
+    assert merge["identity_a"] == merge["identity_b"] == 2
+    answer = page.client.post(f"/api/merges/{merge['id']}/reject", json={"revision": seen})
+    assert (answer.status_code, answer.json()["detail"]["code"]) == (409, "stale")
+
+
+def test_the_list_is_of_the_form_that_the_api_promises(page: Page) -> None:
+    for merge in page.get("merges"):
+        assert Merge.model_validate(merge).model_dump(mode="json") == merge
+
+
+def test_a_score_is_a_probability_only_where_the_evidence_is_calibrated(page: Page) -> None:
+    for merge in page.get("merges"):
+        calibrated = merge["evidence"] is not None and merge["evidence"]["calibrated"]
+        assert merge["probability"] == (merge["score"] if calibrated else None)

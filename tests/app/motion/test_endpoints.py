@@ -49,3 +49,12 @@ def test_what_has_not_changed_is_not_worked_out_again(store: Store, page: Page) 
 @pytest.mark.parametrize("what", ["facts", "histogram"])
 def test_no_such_drive(page: Page, what: str) -> None:
     assert page.client.get(f"/api/drives/999/{what}").status_code == 404
+
+
+def test_distances_of_boxes(page: Page) -> None:
+    found = page.get("observations", start=4, stop=5)["frames"][0]["observations"]
+    ids = {one["track_id"]: one["id"] for one in found}
+    # track 1 has a 3D box 12 m ahead and .5 m to the left; track 2 has none; there is no box of number 99999
+    asked = "&".join(f"observation_id={number}" for number in (ids[1], ids[2], 99_999))
+    answer = page.client.get(f"/api/drives/{page.drive_id}/distances?{asked}").json()
+    assert {one["observation_id"]: one["distance_m"] for one in answer} == {ids[1]: 12.0, ids[2]: None}

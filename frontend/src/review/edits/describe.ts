@@ -23,6 +23,10 @@ export function describeEdit(edit: Edit): string {
       return says.box(who, edit.camera ?? "", frame);
     case "interpolate":
       return says.interpolate(who, frame, (edit.until_frame ?? 0) + 1);
+    case "donor":
+      return edit.frame_index == null
+        ? says.donorTrack(who, edit.camera ?? "")
+        : says.donor(who, edit.camera ?? "", frame);
     case "mark":
       return says.mark[edit.mark ?? "open"](who);
     case "comment":

@@ -1,7 +1,7 @@
 /** What can be done with the selection, for buttons and keys alike. Says why where it can't. */
 
 import { useQueryClient } from "@tanstack/react-query";
-import { tracksQuery } from "../../api/queries";
+import { identitiesQuery, tracksQuery } from "../../api/queries";
 import type { Correction, Observation, Track } from "../../api/types";
 import { text } from "../../strings";
 import { useShared } from "../ReviewContext";
@@ -85,6 +85,14 @@ export function useEditActions() {
       if (boxes.length === 0) return refuse(text.edits.notHere);
       void edit({ kind: "delete", identity_ids: [], track_ids: [], observations: boxes });
     },
+    /** The label is taken from another look at the object: all but this one, or all but those of its track. */
+    rejectDonor: (wholeTrack = false) =>
+      withSelection(1, text.edits.selectFirst, ([id]) => {
+        const identity = client.getQueryData(identitiesQuery(driveId).queryKey)?.find((one) => one.id === id);
+        if (!identity || identity.class_by_person) return refuse(text.edits.noDonorToReject);
+        const { track_id, frame_index } = identity.donor;
+        void edit({ kind: "donor", identity_id: identity.id, track_id, frame_index, whole_track: wholeTrack });
+      }),
     mark: (mark: Mark) =>
       withSelection(1, text.edits.selectFirst, (ids) => void edit({ kind: "mark", identity_ids: ids, mark })),
     comment: (words: string) => edit({ kind: "comment", identity_ids: [...selected()], text: words }),

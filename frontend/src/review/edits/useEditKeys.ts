@@ -16,6 +16,7 @@ export function useEditKeys(openLog: () => void): void {
     swap: actions.swap,
     draw: actions.toggleDrawing,
     interpolate: () => void actions.interpolate(),
+    rejectDonor: () => actions.rejectDonor(),
     markReviewed: () => actions.mark("reviewed"),
     markIgnored: () => actions.mark("ignored"),
     markOpen: () => actions.mark("open"),

@@ -12,6 +12,7 @@ import { text } from "../../strings";
 import { identityColour } from "../cameras/palette";
 import { MarkIcon } from "../edits/MarkIcon";
 import { useReview, useShared } from "../ReviewContext";
+import rowClasses from "../rows.module.css";
 import { FilterBar } from "./FilterBar";
 import { isReviewed, matches } from "./filter";
 import classes from "./IdentitiesPanel.module.css";
@@ -76,7 +77,7 @@ export function IdentitiesPanel() {
     store.getState().setHover(identity && { identityId: identity.id, observationId: null });
 
   return (
-    <div className={classes.panel}>
+    <div className={rowClasses.panel}>
       <ReviewProgress identities={data} />
       <FilterBar classNames={classNames} />
       <div className={classes.tools}>
@@ -93,20 +94,20 @@ export function IdentitiesPanel() {
         </Text>
       </div>
       {list.length === 0 && <Notice title={text.find.none}>{text.find.noneHint}</Notice>}
-      <div ref={scroller} className={classes.scroller}>
-        <ul className={classes.list} style={{ height: rows.getTotalSize() }}>
+      <div ref={scroller} className={rowClasses.scroller}>
+        <ul className={rowClasses.list} style={{ height: rows.getTotalSize() }}>
           {rows.getVirtualItems().map((row) => {
             const identity = list[row.index];
             return (
               identity && (
                 <li
                   key={identity.id}
-                  className={classes.row}
+                  className={`${rowClasses.row} ${classes.row}`}
                   style={{ transform: `translateY(${row.start}px)`, height: ROW_PX }}
                 >
                   <button
                     type="button"
-                    className={classes.identity}
+                    className={rowClasses.choice}
                     aria-pressed={identityIds.includes(identity.id)}
                     onClick={(event) => {
                       const adds = event.ctrlKey || event.metaKey || event.shiftKey;
@@ -145,7 +146,7 @@ function ReviewProgress({ identities }: { identities: readonly Identity[] }) {
   return (
     <div className={classes.progress}>
       <Progress size="sm" flex={1} value={(100 * reviewed) / identities.length} aria-label={said} />
-      <span className={classes.quiet}>{said}</span>
+      <span className={rowClasses.quiet}>{said}</span>
     </div>
   );
 }
@@ -164,7 +165,7 @@ function IdentityRow({ identity, failed }: IdentityRowProps) {
           #{identity.id} {identity.class_name}
           <MarkIcon identity={identity} />
         </span>
-        <span className={classes.cameras}>
+        <span className={rowClasses.quiet}>
           {failed.length > 0 && (
             <span className={classes.failed}>
               <IconAlertTriangle size={12} aria-hidden />{" "}
@@ -176,7 +177,7 @@ function IdentityRow({ identity, failed }: IdentityRowProps) {
       </span>
       <span className={classes.numbers}>
         <span className={classes.score}>{score(identity.score)}</span>
-        <span className={classes.quiet}>
+        <span className={rowClasses.quiet}>
           {text.identities.observations(identity.observation_count)},{" "}
           {text.identities.propagated(identity.propagated_count)}
         </span>

@@ -1,7 +1,7 @@
-import { Button, Stack, Text } from "@mantine/core";
-import { IconCrosshair, IconPointer } from "@tabler/icons-react";
+import { Button, Menu, Stack, Text } from "@mantine/core";
+import { IconBan, IconCrosshair, IconPointer } from "@tabler/icons-react";
 import { useQuery } from "@tanstack/react-query";
-import { identitiesQuery, tracksQuery } from "../../api/queries";
+import { distancesQuery, identitiesQuery, tracksQuery } from "../../api/queries";
 import type { Identity, Observation } from "../../api/types";
 import { score } from "../../app/format";
 import { Notice } from "../../app/Notice";
@@ -11,6 +11,7 @@ import { identityColour } from "../cameras/palette";
 import { Comments } from "../edits/Comments";
 import { EditBar } from "../edits/EditBar";
 import { MarkIcon } from "../edits/MarkIcon";
+import { useEditActions } from "../edits/useEditActions";
 import { Key } from "../keys/Key";
 import { useCommitted, useReview, useShared } from "../ReviewContext";
 import { useObservationsAt } from "../useObservationsAt";
@@ -106,12 +107,14 @@ function IdentityDetail({ identity, width }: { identity: Identity; width: number
 
 /** The donor's crop beside the crop of now: the near look that labels the far one. */
 function Lineage({ identity, here, width }: { identity: Identity; here: Observation | null; width: number }) {
-  const { store } = useShared();
+  const { driveId, store } = useShared();
   const committed = useCommitted();
   const donor = identity.donor;
-  const atDonor = useObservationsAt(donor?.frame_index ?? null);
-  if (!donor) return <Text size="sm">{text.identities.noDonor}</Text>;
+  const atDonor = useObservationsAt(donor.frame_index);
   const donorBox = atDonor && (atDonor.find((one) => one.id === donor.observation_id)?.box ?? null);
+  const playing = useReview((state) => state.playing);
+  const shown = [donor.observation_id, ...(here && here.id !== donor.observation_id ? [here.id] : [])];
+  const distances = useQuery({ ...distancesQuery(driveId, shown), enabled: !playing }).data;
   const size = Math.floor((width - PANEL_SPACE_PX - 30) / 2);
   const height = Math.round(Math.min(size * 0.75, 280));
   return (
@@ -130,8 +133,13 @@ function Lineage({ identity, here, width }: { identity: Identity; here: Observat
         <figcaption>
           <b>{text.identities.donor}</b>
           <span className={classes.quiet}>
-            {donor.camera}, {text.merges.atFrame(donor.frame_index)}, {score(donor.score)}
+            {donor.camera}, {text.merges.atFrame(donor.frame_index)}
           </span>
+          <Measured
+            name={text.identities.atThatTime}
+            score={donor.score}
+            distance={distances?.get(donor.observation_id)}
+          />
           <Button
             size="compact-xs"
             mt={4}
@@ -142,6 +150,7 @@ function Lineage({ identity, here, width }: { identity: Identity; here: Observat
           >
             {text.identities.goToDonor}
           </Button>
+          {!identity.class_by_person && <RejectDonor identity={identity} />}
         </figcaption>
       </figure>
       <span className={classes.arrow} aria-hidden>
@@ -161,13 +170,55 @@ function Lineage({ identity, here, width }: { identity: Identity; here: Observat
         <figcaption>
           <b>{text.identities.now}</b>
           {here && (
-            <span className={classes.quiet}>
-              {here.camera}, {nowSays(here)}
-            </span>
+            <>
+              <span className={classes.quiet}>
+                {here.camera}, {nowSays(here)}
+              </span>
+              <Measured name={text.identities.nowShort} score={here.score} distance={distances?.get(here.id)} />
+            </>
           )}
         </figcaption>
       </figure>
     </div>
+  );
+}
+
+/** Score and distance of a look: what the near look had, and what the far one has. */
+function Measured({ name, score: value, distance }: { name: string; score: number | null; distance?: number | null }) {
+  return (
+    <span className={classes.measured}>
+      {text.identities.measured(
+        name,
+        value === null ? text.cameras.notDetected : score(value),
+        distance == null ? text.identities.noDistance : text.queue.metres(distance),
+      )}
+    </span>
+  );
+}
+
+/** The label is wrong because this look is: take it from another one. */
+function RejectDonor({ identity }: { identity: Identity }) {
+  const { store } = useShared();
+  const { rejectDonor } = useEditActions();
+  const reject = (wholeTrack: boolean) => {
+    store.getState().select([identity.id]);
+    rejectDonor(wholeTrack);
+  };
+  return (
+    <Menu position="bottom-start" shadow="md">
+      <Menu.Target>
+        <Button size="compact-xs" mt={4} variant="default" leftSection={<IconBan size={13} />}>
+          {text.identities.rejectDonor}
+        </Button>
+      </Menu.Target>
+      <Menu.Dropdown>
+        <Menu.Label>{text.identities.rejectDonorHint}</Menu.Label>
+        <Menu.Item rightSection={<Key action="rejectDonor" />} onClick={() => reject(false)}>
+          {text.identities.rejectLook}
+        </Menu.Item>
+        <Menu.Item onClick={() => reject(true)}>{text.identities.rejectTrack}</Menu.Item>
+      </Menu.Dropdown>
+    </Menu>
   );
 }
 

@@ -18,6 +18,7 @@ export type Action =
   | "undo"
   | "queue"
   | "goToDonor"
+  | "rejectDonor"
   | "clear"
   | "toggleScene"
   | "enlarge"
@@ -101,6 +102,7 @@ export const KEY_MAP: readonly KeyBinding[] = [
   { action: "deleteBox", keys: ["Delete"], group: "edit" },
   { action: "deleteObject", keys: ["Shift+Delete"], group: "edit" },
   { action: "log", keys: ["h"], group: "edit" },
+  { action: "rejectDonor", keys: ["Alt+g"], group: "edit" },
   { action: "goToDonor", keys: ["g"], group: "view" },
   { action: "enlarge", keys: ["e"], group: "view" },
   { action: "zoomIn", keys: ["+", "="], group: "view" },

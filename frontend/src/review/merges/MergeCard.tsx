@@ -6,6 +6,7 @@ import { text } from "../../strings";
 import { Crop } from "../cameras/Crop";
 import { identityColour } from "../cameras/palette";
 import { Key } from "../keys/Key";
+import { chance, shortChance } from "../queue/evidenceWords";
 import { useObservationsAt } from "../useObservationsAt";
 import classes from "./MergeCard.module.css";
 import { bestFrame } from "./order";
@@ -37,7 +38,7 @@ export function MergeCard({ merge, open, onOpen, onDecide, width }: MergeCardPro
             <Side id={merge.identity_a} camera={merge.camera_a} />
             <Side id={merge.identity_b} camera={merge.camera_b} />
             <span className={classes.quiet}>
-              {text.merges.scoreIs(score(merge.score))} · {text.merges.labels(merge.label_count)}
+              {chance(merge).value} · {text.merges.labels(merge.label_count)}
             </span>
           </span>
         )}
@@ -45,7 +46,11 @@ export function MergeCard({ merge, open, onOpen, onDecide, width }: MergeCardPro
       {open && (
         <>
           <dl className={classes.evidence}>
-            <Fact name={text.merges.score} value={score(merge.score)} hint={text.merges.scoreHint} />
+            {merge.probability === null ? (
+              <Fact name={text.merges.score} value={score(merge.score)} hint={text.merges.scoreHint} />
+            ) : (
+              <Fact name={text.merges.chance} value={shortChance(merge)} hint={text.merges.chanceHint} />
+            )}
             <Fact
               name={text.merges.agreeing}
               value={`${merge.agreeing_frames} / ${merge.shared_frames}`}

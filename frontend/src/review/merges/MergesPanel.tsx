@@ -11,6 +11,7 @@ import { Notice } from "../../app/Notice";
 import { text } from "../../strings";
 import { Key } from "../keys/Key";
 import { useReview, useShared } from "../ReviewContext";
+import rowClasses from "../rows.module.css";
 import { MergeCard } from "./MergeCard";
 import classes from "./MergesPanel.module.css";
 import { mergesOf } from "./order";
@@ -81,7 +82,7 @@ export function MergesPanel({ shown, onShow, width }: MergesPanelProps) {
     );
 
   return (
-    <div className={classes.panel}>
+    <div className={rowClasses.panel}>
       <SegmentedControl
         className={classes.states}
         size="xs"
@@ -108,8 +109,8 @@ export function MergesPanel({ shown, onShow, width }: MergesPanelProps) {
               </span>
             </p>
           )}
-          <div ref={scroller} className={classes.scroller}>
-            <ol className={classes.list} style={{ height: rows.getTotalSize() }}>
+          <div ref={scroller} className={rowClasses.scroller}>
+            <ol className={rowClasses.list} style={{ height: rows.getTotalSize() }}>
               {rows.getVirtualItems().map((row) => {
                 const merge = list[row.index];
                 return (
@@ -118,7 +119,7 @@ export function MergesPanel({ shown, onShow, width }: MergesPanelProps) {
                       key={row.key}
                       ref={rows.measureElement}
                       data-index={row.index}
-                      className={classes.row}
+                      className={`${rowClasses.row} ${classes.row}`}
                       style={{ transform: `translateY(${row.start}px)` }}
                     >
                       <MergeCard

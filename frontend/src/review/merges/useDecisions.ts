@@ -19,6 +19,13 @@ const STATE_AFTER: Record<Exclude<Decision, "undo">, MergeState> = {
   unsure: "unsure",
 };
 
+/** What stands above the server's reason, by its code. */
+const TITLES: Record<string, string> = {
+  cannot_link: text.merges.refused,
+  classes_differ: text.merges.refused,
+  stale: text.merges.stale,
+};
+
 export interface Refusal {
   title: string;
   message: string;
@@ -42,8 +49,8 @@ function pendingMerges(client: QueryClient, mutationKey: readonly unknown[]): nu
     .map((mutation) => (mutation.state.variables as { merge: Merge }).merge.id);
 }
 
-function post(decision: Decision, mergeId: number) {
-  const at = { params: { path: { merge_id: mergeId } } };
+function post(decision: Decision, mergeId: number, revision: number | null) {
+  const at = { params: { path: { merge_id: mergeId } }, body: { revision } };
   if (decision === "accept") return unwrap(api.POST("/api/merges/{merge_id}/accept", at));
   if (decision === "reject") return unwrap(api.POST("/api/merges/{merge_id}/reject", at));
   if (decision === "unsure") return unwrap(api.POST("/api/merges/{merge_id}/unsure", at));
@@ -83,7 +90,8 @@ export function useDecisions() {
   const { mutate } = useMutation({
     mutationKey,
     scope: { id: `decide-${driveId}` },
-    mutationFn: ({ merge, decision }: { merge: Merge; decision: Decision }) => post(decision, merge.id),
+    mutationFn: ({ merge, decision }: { merge: Merge; decision: Decision }) =>
+      post(decision, merge.id, observations.knownRevision()),
     onSuccess: (change, { decision }) => {
       // What others are on their way with is not undone by what the server knew before it.
       const waiting = new Set(pendingMerges(client, mutationKey));
@@ -99,9 +107,8 @@ export function useDecisions() {
     onError: (cause, { merge }) => {
       replace(merge);
       forget(merge.id);
-      const impossible = cause instanceof ApiError && cause.code === "cannot_link";
-      const title = impossible ? text.merges.refused : text.merges.failed;
-      useRefusals.getState().set(merge.id, { title, message: messageOf(cause) });
+      const code = cause instanceof ApiError ? cause.code : "";
+      useRefusals.getState().set(merge.id, { title: TITLES[code] ?? text.merges.failed, message: messageOf(cause) });
       open(merge);
     },
     onSettled: async (_, error) => {

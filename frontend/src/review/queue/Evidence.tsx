@@ -2,13 +2,19 @@ import type { Merge, MergeLooks } from "../../api/types";
 import { score } from "../../app/format";
 import { text } from "../../strings";
 import classes from "./Evidence.module.css";
-import { chance, facts } from "./evidenceWords";
+import { chance, type Fact, facts, measures } from "./evidenceWords";
+
+/** Of what a probability is made of, this much is shown at once. */
+const MOST_MEASURES = 5;
 
 /** How likely it is, what speaks for it, and what depends on it. */
 export function Evidence({ merge, sides }: { merge: Merge; sides: MergeLooks["sides"] }) {
-  const { value, meaning } = chance(merge.probability);
+  const { value, meaning } = chance(merge);
   const [a, b] = sides;
   const donor = (a.best.score ?? 0) >= (b.best.score ?? 0) ? a : b;
+  const made = measures(merge);
+  const shown = made.length > 0 ? made : facts(merge);
+  const rest = shown.slice(MOST_MEASURES);
   return (
     <div className={classes.evidence}>
       <div className={classes.heads}>
@@ -25,20 +31,32 @@ export function Evidence({ merge, sides }: { merge: Merge; sides: MergeLooks["si
           </span>
         </div>
       </div>
-      <dl className={classes.facts}>
-        {facts(merge).map((fact) => (
-          <div key={fact.name} data-speaks={fact.speaks}>
-            <dt>{fact.name}</dt>
-            <dd className={classes.value}>{fact.value}</dd>
-            <dd className={classes.meaning}>
-              <span className={classes.mark} aria-hidden>
-                {fact.speaks > 0 ? "+" : fact.speaks < 0 ? "−" : "·"}
-              </span>
-              {fact.meaning}
-            </dd>
-          </div>
-        ))}
-      </dl>
+      <Facts facts={shown.slice(0, MOST_MEASURES)} />
+      {rest.length > 0 && (
+        <details className={classes.more}>
+          <summary>{text.queue.moreMeasures(rest.length)}</summary>
+          <Facts facts={rest} />
+        </details>
+      )}
     </div>
+  );
+}
+
+function Facts({ facts: list }: { facts: readonly Fact[] }) {
+  return (
+    <dl className={classes.facts}>
+      {list.map((fact) => (
+        <div key={fact.name} data-speaks={fact.speaks}>
+          <dt>{fact.name}</dt>
+          <dd className={classes.value}>{fact.value}</dd>
+          <dd className={classes.meaning}>
+            <span className={classes.mark} aria-hidden>
+              {fact.speaks > 0 ? "+" : fact.speaks < 0 ? "−" : "·"}
+            </span>
+            {fact.meaning}
+          </dd>
+        </div>
+      ))}
+    </dl>
   );
 }

@@ -2,8 +2,9 @@ import { IconArrowsSplit2, IconCheck, IconHelp, IconUser } from "@tabler/icons-r
 import { useVirtualizer } from "@tanstack/react-virtual";
 import { useEffect, useRef } from "react";
 import type { Merge } from "../../api/types";
-import { percent } from "../../app/format";
 import { text } from "../../strings";
+import rowClasses from "../rows.module.css";
+import { shortChance } from "./evidenceWords";
 import classes from "./QueueRows.module.css";
 import { useQueueActions } from "./useQueue";
 
@@ -25,21 +26,23 @@ export function QueueRows({ order, shownId }: { order: readonly Merge[]; shownId
   }, [at, rows]);
   return (
     <nav className={classes.side} aria-label={text.queue.rows}>
-      <p className={classes.order}>{text.queue.orderHint}</p>
-      <div ref={scroller} className={classes.scroller}>
-        <ol className={classes.list} style={{ height: rows.getTotalSize() }}>
+      <p className={classes.order}>
+        {order.some((merge) => merge.probability === null) ? text.queue.orderHintScore : text.queue.orderHint}
+      </p>
+      <div ref={scroller} className={rowClasses.scroller}>
+        <ol className={rowClasses.list} style={{ height: rows.getTotalSize() }}>
           {rows.getVirtualItems().map((row) => {
             const merge = order[row.index];
             return (
               merge && (
                 <li
                   key={merge.id}
-                  className={classes.row}
+                  className={`${rowClasses.row} ${classes.row}`}
                   style={{ height: ROW_PX, transform: `translateY(${row.start}px)` }}
                 >
                   <button
                     type="button"
-                    className={classes.merge}
+                    className={rowClasses.choice}
                     aria-current={merge.id === shownId || undefined}
                     onClick={() => open(merge)}
                   >
@@ -62,13 +65,17 @@ function Row({ merge }: { merge: Merge }) {
         <span className={classes.cameras}>
           {merge.camera_a === merge.camera_b ? merge.camera_a : text.queue.between(merge.camera_a, merge.camera_b)}
         </span>
-        <span className={classes.quiet}>{text.queue.changes(merge.label_count)}</span>
+        <span className={rowClasses.quiet}>{text.queue.changes(merge.label_count)}</span>
       </span>
       <span className={classes.chance}>
-        <span>{percent(merge.probability).replace(/\.\d%$/, "%")}</span>
-        <span className={classes.meter} aria-hidden>
-          <span style={{ width: `${100 * merge.probability}%` }} />
-        </span>
+        <span>{shortChance(merge)}</span>
+        {merge.probability === null ? (
+          <span className={rowClasses.quiet}>{text.merges.score}</span>
+        ) : (
+          <span className={classes.meter} aria-hidden>
+            <span style={{ width: `${100 * merge.probability}%` }} />
+          </span>
+        )}
       </span>
       <State merge={merge} />
     </>

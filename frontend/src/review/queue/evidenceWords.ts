@@ -1,7 +1,7 @@
 /** What the evidence of a merge means, in plain words. */
 
 import type { Merge } from "../../api/types";
-import { metres, percent } from "../../app/format";
+import { metres, percent, score } from "../../app/format";
 import { text } from "../../strings";
 
 export interface Fact {
@@ -17,9 +17,11 @@ const NEAR_M = 1.8;
 /** Two cars side by side are at least this far apart, centre to centre. */
 const FAR_M = 2.6;
 
-/** How a probability reads: "93 of 100", "likely". */
-export function chance(probability: number): { value: string; meaning: string } {
+/** How sure the machine is: a probability where its score is one, else the bare score, which must not read like one. */
+export function chance(merge: Pick<Merge, "score" | "probability">): { value: string; meaning: string } {
   const words = text.queue.chances;
+  const { probability } = merge;
+  if (probability === null) return { value: text.merges.scoreIs(score(merge.score)), meaning: words.noProbability };
   const meaning =
     probability >= 0.95
       ? words.almostSure
@@ -33,7 +35,45 @@ export function chance(probability: number): { value: string; meaning: string } 
   return { value: percent(probability).replace(/\.0%$/, "%"), meaning };
 }
 
-/** The numbers that every merge has. */
+/** The same, in a few characters. */
+export function shortChance(merge: Pick<Merge, "score" | "probability">): string {
+  return merge.probability === null ? score(merge.score) : percent(merge.probability).replace(/\.\d%$/, "%");
+}
+
+/** Below this, in log odds, a measure hardly says anything. */
+const HARDLY = 0.05;
+
+/** What the probability was made of, what says most first; empty where the score is no probability. */
+export function measures(merge: Pick<Merge, "evidence">): Fact[] {
+  if (!merge.evidence?.calibrated) return [];
+  return [...merge.evidence.features]
+    .sort((a, b) => Math.abs(b.log_odds) - Math.abs(a.log_odds))
+    .map(({ name, value, unit, log_odds }) => {
+      const words = text.queue.features[name];
+      return {
+        name: words?.name ?? name.replaceAll("_", " "),
+        value: measured(value, unit),
+        meaning: `${words?.meaning ?? ""}${words ? "; " : ""}${text.queue.speaks(odds(log_odds), log_odds)}`,
+        speaks: log_odds > HARDLY ? 1 : log_odds < -HARDLY ? -1 : 0,
+      };
+    });
+}
+
+/** By how many times a measure changes the odds, "3.2". */
+function odds(logOdds: number): string {
+  const times = Math.exp(Math.min(Math.abs(logOdds), 6.9));
+  return times >= 10 ? times.toFixed(0) : times.toFixed(1);
+}
+
+function measured(value: number, unit: string): string {
+  if (unit === "share") return percent(value).replace(/\.0%$/, "%");
+  if (unit === "m") return metres(value);
+  if (unit === "sigma") return `${value.toFixed(1)} σ`;
+  if (unit === "score" || unit === "ratio") return value.toFixed(2);
+  return `${value.toFixed(unit === "looks" ? 0 : 1)} ${unit}`;
+}
+
+/** What was seen of both tracks at the same time. */
 export function facts(merge: Merge): Fact[] {
   const { shared_frames, agreeing_frames, mean_distance_m, mean_bev_iou } = merge;
   const words = text.queue.evidence;
