@@ -120,7 +120,7 @@ export const queue = {
     open: "may be one object or two",
     unlikely: "likely two objects",
     hardly: "almost surely two objects",
-    noProbability: "not a probability: how alike the boxes are, and in how many frames (1 is best)",
+    noProbability: "how alike the boxes are; 1 is best. Not a probability",
   },
   moreMeasures: (n: number) => `${plural(n, "smaller measure")} more`,
   speaks: (times: string, logOdds: number) =>

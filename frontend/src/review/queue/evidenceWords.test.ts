@@ -44,7 +44,7 @@ describe("evidence in words", () => {
     expect(facts(merge({})).map((fact) => [fact.value, fact.speaks])).toEqual([
       ["11 of 12", 1],
       ["0.40 m", 1],
-      ["50.0%", 1],
+      ["50%", 1],
     ]);
   });
 

@@ -32,12 +32,17 @@ export function chance(merge: Pick<Merge, "score" | "probability">): { value: st
           : probability > 0.05
             ? words.unlikely
             : words.hardly;
-  return { value: percent(probability).replace(/\.0%$/, "%"), meaning };
+  return { value: whole(percent(probability)), meaning };
 }
 
 /** The same, in a few characters. */
 export function shortChance(merge: Pick<Merge, "score" | "probability">): string {
   return merge.probability === null ? score(merge.score) : percent(merge.probability).replace(/\.\d%$/, "%");
+}
+
+/** "50.0%" -> "50%" */
+function whole(share: string): string {
+  return share.replace(/\.0%$/, "%");
 }
 
 /** Below this, in log odds, a measure hardly says anything. */
@@ -66,7 +71,7 @@ function odds(logOdds: number): string {
 }
 
 function measured(value: number, unit: string): string {
-  if (unit === "share") return percent(value).replace(/\.0%$/, "%");
+  if (unit === "share") return whole(percent(value));
   if (unit === "m") return metres(value);
   if (unit === "sigma") return `${value.toFixed(1)} σ`;
   if (unit === "score" || unit === "ratio") return value.toFixed(2);
@@ -99,7 +104,7 @@ export function facts(merge: Merge): Fact[] {
   if (mean_bev_iou !== null && Number.isFinite(mean_bev_iou)) {
     found.push({
       name: words.overlap,
-      value: percent(mean_bev_iou),
+      value: whole(percent(mean_bev_iou)),
       meaning: mean_bev_iou > 0 ? words.overlapMeans : words.overlapNone,
       speaks: mean_bev_iou >= 0.2 ? 1 : mean_bev_iou > 0 ? 0 : -1,
     });
