@@ -99,7 +99,6 @@ class Relabelling:
         rows = list(zip(*(values[name] for name in LABEL_COLUMNS), strict=True))
         return donor_of(votes[identity], self._config), rows
 
-
     def _is_rejected(self, boxes: Sequence[BoxAndLabel]) -> NDArray[np.bool_]:
         """(N,) whether each box may give its label to no other."""
         if not self._rejected:
