@@ -23,6 +23,8 @@ from app.tracks.label_values import label_values
 from labeler.propagation import Donor, PropagationConfig, collect_votes, donor_of, label_observations
 from labeler.tracking.types import NO_DETECTION, Observations
 
+PROBABILITY = LABEL_COLUMNS.index("probability")
+"""Last of the columns. A label that is only a little more or less likely right counts as the same label."""
 BEFORE_IT_WAS_KEPT = PropagationConfig(min_trust=0.0)
 """How labels were given by labellings that don't say."""
 
@@ -78,7 +80,8 @@ class Relabelling:
             if box.label != label
         ]
         label_repository.change_labels(self._session, self._labelling_id, changed)
-        return Relabelled(donor, len(changed))
+        given = {(box.track_id, box.frame_index): box.label[:PROBABILITY] for box in boxes}
+        return Relabelled(donor, sum(given[track, frame] != label[:PROBABILITY] for track, frame, label in changed))
 
     def _donor_and_values(
         self, track_ids: Sequence[int], boxes: Sequence[BoxAndLabel]
