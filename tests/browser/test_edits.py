@@ -75,6 +75,7 @@ def test_joining_and_drawing(page: Page, review: str) -> None:
     page.keyboard.press("m")
     _said(page, "#3, #4 joined")
     page.keyboard.press("b")
+    expect(page.get_by_role("region", name="Drawing")).to_be_visible()
     picture = page.get_by_role("figure", name=re.compile("^left")).bounding_box()
     assert picture is not None
     px = picture["width"] / WIDTH_PX
