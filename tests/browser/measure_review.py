@@ -133,7 +133,7 @@ def measure(browser: Browser, address: str, *, minutes: float) -> dict[str, Any]
     figures["first_view_ms"] = statistics.median(views)
     say("first useful view", f"{figures['first_view_ms']:.0f} ms (goal 1500)")
     page = open_page(browser, f"{address}?frame={START}")
-    expect(page.get_by_role("img", name="2000 lanes, one for each identity")).to_be_visible(timeout=SLOW_MS)
+    expect(page.get_by_role("img", name="2,000 lanes, one for each identity")).to_be_visible(timeout=SLOW_MS)
     page.wait_for_function(QUIET)
 
     play_to(page, START + WARM_FRAMES)
