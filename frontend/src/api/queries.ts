@@ -134,6 +134,7 @@ export const auditQuery = (id: number) =>
   queryOptions({
     queryKey: ["drive", id, "audit"],
     queryFn: ({ signal }) => unwrap(api.GET("/api/drives/{drive_id}/audit", { ...at(id), signal })),
+  });
 
 /** How far what is in some boxes was from the car: 3D boxes of a labelling never change. */
 export const distancesQuery = (id: number, observationIds: readonly number[]) =>
