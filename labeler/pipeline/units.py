@@ -142,7 +142,7 @@ def label_camera(unit: LabelUnit, path: Path) -> None:
     write_table(path, (columns_of(batch) for batch in labels))
 
 
-TRACK = Stage("track", 2, "arrow", track)
+TRACK = Stage("track", 3, "arrow", track)
 IDENTITY = Stage("identity", 3, "json", find_identities)
 DONORS = Stage("donors", 2, "json", choose_donors)
 LABELS = Stage("labels", 3, "arrow", label_camera)
