@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 
 import numpy as np
@@ -24,18 +25,28 @@ class DetectorTask:
         self,
         pictures: Sequence[Picture],
         drives: Sequence[str],
-        crops: CropConfig,
+        crops: Sequence[CropConfig],
         shape: YoloxShape = NANO,
     ) -> None:
+        """Examples are dealt out to ``crops`` in turn: what is named twice is drawn twice as often."""
         self.drives = drives
-        self._crops = crops
-        self._sampler, self._shape = CropSampler(pictures, self._crops), shape
+        self._crops, self._shape = tuple(crops), shape
+        self._samplers = {config: CropSampler(pictures, config) for config in self._crops}
 
     def new_network(self) -> nn.Module:
         return Yolox(len(DETECTOR_CLASSES), self._shape)
 
     def loss(self, network: nn.Module, rng: np.random.Generator, count: int) -> Tensor:
-        examples = [self._sampler.draw(rng) for _ in range(count)]
+        """The mean over the kinds of crops: a few large ones weigh as much as many small ones."""
+        counts = Counter(self._crops[index % len(self._crops)] for index in range(count))
+        losses = [
+            self._loss_on(network, config, [self._samplers[config].draw(rng) for _ in range(number)])
+            for config, number in counts.items()
+        ]
+        return torch.stack(losses).mean()
+
+    @staticmethod
+    def _loss_on(network: nn.Module, config: CropConfig, examples: Sequence[Picture]) -> Tensor:
         images = torch.from_numpy(np.stack([example.image for example in examples])).permute(0, 3, 1, 2).float()
         truths = [
             TrueObjects(
@@ -45,4 +56,4 @@ class DetectorTask:
             )
             for example in examples
         ]
-        return yolox_loss(network(images), truths, (self._crops.height_px, self._crops.width_px))
+        return yolox_loss(network(images), truths, (config.height_px, config.width_px))

@@ -10,28 +10,32 @@ from labeler.training.crops import CropConfig
 @dataclass(frozen=True)
 class Recipe:
     """A model by ``task``: its file's name, the examples it learns from, for how many ``steps``, at which rate, and
-    among how many ``workers`` its steps' examples are shared."""
+    among how many ``workers`` its steps' examples are shared. The examples are dealt out to ``crops`` in turn."""
 
     task: str
     file_name: str
-    crops: CropConfig
+    crops: tuple[CropConfig, ...]
     steps: int
     learning_rate: float
     workers: int
 
 
+_WINDOW = CropConfig(height_px=160, width_px=320, around_objects=0.6)
+_WHOLE = CropConfig(height_px=320, width_px=640, smallest_scale=0.6, largest_scale=1.1)
+"""Nearly a whole image, as large as it will be: only there near vehicles are seen at their full size."""
+
 DETECTOR = Recipe(
     task="detector",
     file_name="sim-yolox-nano.onnx",
-    crops=CropConfig(height_px=160, width_px=320),
-    steps=5000,
+    crops=(_WINDOW, _WINDOW, _WINDOW, _WHOLE),
+    steps=10_000,
     learning_rate=2e-3,
     workers=2,
 )
 SEGMENTATION = Recipe(
     task="segmentation",
     file_name="sim-segmentation.onnx",
-    crops=CropConfig(height_px=192, width_px=384, replicate_edge=True),
+    crops=(CropConfig(height_px=192, width_px=384, replicate_edge=True),),
     steps=2400,
     learning_rate=4e-3,
     workers=1,

@@ -47,7 +47,7 @@ def train_recipe(
     if recipe is DETECTOR:
         task = DetectorTask(pictures, names, recipe.crops)
     else:
-        task = SegmentationTask(pictures, names, recipe.crops)
+        task = SegmentationTask(pictures, names, *recipe.crops)
     trained = train(task, config, folder, report=report)
     file = folder / recipe.file_name
     source = source_of(recipe, config, trained)

@@ -20,13 +20,14 @@ from labeler.training.yolox_network import YoloxShape
 from tests.labeler.training.made_pictures import picture
 
 CROPS = CropConfig(height_px=64, width_px=96, smallest_scale=0.9, largest_scale=1.1, around_objects=1.0)
+WIDE = replace(CROPS, height_px=96, width_px=128, around_objects=0.0)
 TINY = YoloxShape(depth=0.33, width=0.125, depthwise=True)
 PICTURES = (picture((0, 20, 20, 60, 50), (1, 70, 40, 110, 80)), picture((2, 30, 30, 90, 70)))
 CONFIG = TrainingConfig(seed=3, steps=8, batch_size=4, workers=2, warm_up_steps=2, checkpoint_every=100)
 
 
 def detector_task(drives: Sequence[str] = ("a", "b")) -> DetectorTask:
-    return DetectorTask(PICTURES, drives, CROPS, TINY)
+    return DetectorTask(PICTURES, drives, (CROPS, WIDE), TINY)
 
 
 def quiet(_: str) -> None:
@@ -105,7 +106,7 @@ def test_a_loss_that_is_not_a_number_ends_it(tmp_path: Path) -> None:
             return super().loss(network, rng, count) * float("nan")
 
     with pytest.raises(TrainingError, match="The loss of step 0 is nan"):
-        train(Broken(PICTURES, ("a",), CROPS, TINY), CONFIG, tmp_path, report=quiet)
+        train(Broken(PICTURES, ("a",), (CROPS,), TINY), CONFIG, tmp_path, report=quiet)
     assert not (tmp_path / CHECKPOINT).exists()
 
 
