@@ -7,6 +7,7 @@ its own seed, so a drive that was stopped goes on to the same bytes.
 
 import tempfile
 from collections.abc import Mapping
+from contextlib import closing
 from dataclasses import asdict, dataclass
 from importlib import metadata
 from pathlib import Path
@@ -129,12 +130,12 @@ def simulate_drive(folder: Path, config: SimulationConfig, progress: Progress) -
         progress.advance()
         log = SimulatedLog(folder, _about(config), jpeg_quality=config.jpeg_quality)
         progress.stage("Recording moments", sum(not log.has(config.timestamp_ns(k)) for k in range(config.frames)))
-        recorder = _Recorder(config, world, traffic)
-        log.write_calibration(recorder.rig)
-        for frame in traffic.frames():
-            if not log.has(config.timestamp_ns(frame.index)):
-                recorder.record(frame, log)
-                progress.advance()
+        with closing(_Recorder(config, world, traffic)) as recorder:
+            log.write_calibration(recorder.rig)
+            for frame in traffic.frames():
+                if not log.has(config.timestamp_ns(frame.index)):
+                    recorder.record(frame, log)
+                    progress.advance()
     log.publish([config.timestamp_ns(index) for index in range(config.frames)])
 
 
@@ -166,6 +167,10 @@ class _Recorder:
         self._solids = {name: _solid_of(model.mesh) for name, model in world.models.items()}
         self._paints = _paints(config.seed, traffic, world)
         self._uuids = {number: str(uuid5(_UUID_SPACE, f"{config.seed}/{number}")) for number in traffic.models}
+
+    def close(self) -> None:
+        if self._renderer is not None:
+            self._renderer.close()
 
     def record(self, frame: TrafficFrame, log: SimulatedLog) -> None:
         """Write one moment: images and sweep, where they are wanted, and the truth."""

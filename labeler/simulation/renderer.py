@@ -145,6 +145,10 @@ class Renderer:
         self._lamp_disc = Drawable(context, lamp_disc())
         self._contacts = {name: Drawable(context, _contact(model.size_m)) for name, model in world.models.items()}
 
+    def close(self) -> None:
+        """Give the graphics memory back, half a gigabyte without a graphics card. Nothing can be rendered after it."""
+        self._context.release()
+
     def render(
         self, views: Sequence[CameraView], instances: Sequence[VehicleInstance], lighting: Lighting,
         signal_states: SignalStates,
