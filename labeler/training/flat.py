@@ -40,6 +40,11 @@ class FlatNetwork:
     def grads(self) -> tuple[Tensor, Tensor]:
         return self.weights_grad, self.offsets_grad
 
+    def share(self) -> None:
+        """Move the numbers into memory that processes which are forked from now on share with this one."""
+        for row in (*self.rows, *self.grads):
+            row.share_memory_()
+
     def clear_grads(self) -> None:
         for row in self.grads:
             row.zero_()

@@ -1,8 +1,8 @@
 """The training loop that both models share: examples, gradients, averaged weights, checkpoints.
 
 Each step's examples follow from the seed and the step alone, so a run that was stopped goes on as if it had not been. A
-step's examples are shared out among worker threads, each with its own copy of the network on one core; gradients and
-the statistics of batch normalisation are averaged. (On a busy machine that is twice as quick as threads inside each
+step's examples are shared out among workers, each with its own copy of the network on one core; gradients and the
+statistics of batch normalisation are averaged. (On a busy machine that is twice as quick as threads inside each
 convolution, which wait for each other hundreds of times a step.)
 
 The learning rate warms up, stays, and falls along a cosine to nothing over the last part of the steps; the weights that
@@ -18,7 +18,6 @@ import copy
 import math
 import time
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Protocol
@@ -29,6 +28,7 @@ from torch import Tensor, nn
 
 from labeler.training.errors import TrainingError
 from labeler.training.flat import FlatNetwork
+from labeler.training.workers import open_workers
 
 CHECKPOINT = "checkpoint.pt"
 _EMA_STEPS = 10
@@ -39,7 +39,7 @@ _REPORT_EVERY = 25
 @dataclass(frozen=True)
 class TrainingConfig:
     """``steps`` of ``batch_size`` examples in all, drawn from ``seed``. The learning rate reaches ``learning_rate``
-    after ``warm_up_steps`` and falls over the last ``fall_share`` of all steps. ``workers`` threads share a step's
+    after ``warm_up_steps`` and falls over the last ``fall_share`` of all steps. ``workers`` processes share a step's
     examples."""
 
     seed: int
@@ -81,7 +81,7 @@ class Task(Protocol):
         ...
 
     def loss(self, network: nn.Module, rng: np.random.Generator, count: int) -> Tensor:
-        """The mean loss on ``count`` examples. Called from several threads at once, each with its own network."""
+        """The mean loss on ``count`` examples. Called by several workers at once, each with its own network."""
         ...
 
 
@@ -114,19 +114,19 @@ class _Run:
         )
         self.drives_since: list[tuple[int, tuple[str, ...]]] = []
 
-    def advance(self, pool: ThreadPoolExecutor) -> float:
+    def work(self, worker: int, step: int) -> float:
+        """In a worker: the gradients of its share of a step's examples into its copy, and their loss."""
+        config, copied = self.config, self.copies[worker]
+        rng = np.random.default_rng([config.seed, step, worker])
+        copied.clear_grads()
+        loss = self.task.loss(copied.network, rng, config.batch_size // config.workers)
+        loss.backward()
+        return float(loss.detach())
+
+    def advance(self, work_all: Callable[[int], Sequence[float]]) -> float:
         """Do one step; the mean loss before it."""
         config = self.config
-
-        def work(worker: int) -> float:
-            rng = np.random.default_rng([config.seed, self.step, worker])
-            copied = self.copies[worker]
-            copied.clear_grads()
-            loss = self.task.loss(copied.network, rng, config.batch_size // config.workers)
-            loss.backward()
-            return float(loss.detach())
-
-        losses = list(pool.map(work, range(config.workers)))
+        losses = work_all(self.step)
         mean = sum(losses) / len(losses)
         if not math.isfinite(mean):
             raise TrainingError(f"The loss of step {self.step} is {mean}. Begin again, with another seed.")
@@ -225,10 +225,12 @@ def train(
     if not run.drives_since or run.drives_since[-1][1] != tuple(task.drives):
         run.drives_since.append((run.step, tuple(task.drives)))
     last = config.steps if stop_after is None else min(config.steps, run.step + stop_after)
-    with ThreadPoolExecutor(config.workers) as pool:
+    for copied in run.copies:
+        copied.share()
+    with open_workers(config.workers, run.work) as work_all:
         begun_s, begun_step, losses = time.monotonic(), run.step, list[float]()
         while run.step < last:
-            losses.append(run.advance(pool))
+            losses.append(run.advance(work_all))
             if run.step % config.checkpoint_every == 0 or run.step == last:
                 run.save(file)
             if run.step % _REPORT_EVERY == 0 or run.step == last:
