@@ -54,7 +54,9 @@ def drives(
     """Simulate drives to learn from, and others to validate with. Needs the extra `simulation`."""
     with TerminalProgress() as progress:
         simulate_planned(out, training=training, validation=validation, progress=progress)
-    say(f"{out}: {training} drives to learn from (train0...), {validation} to validate with (val0...).")
+    say(
+        f"{training} drives to learn from are in {out / 'training'}, {validation} to validate with in {out / 'validation'}."
+    )
 
 
 @train.command()

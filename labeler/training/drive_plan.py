@@ -47,11 +47,11 @@ def _drive(seed: int, variant: int, frames: int) -> SimulationConfig:
 
 
 def simulate_planned(folder: Path, *, training: int, validation: int, progress: Progress) -> None:
-    """Record the planned drives as ``folder``/train0... and ``folder``/val0...; those that are there are left alone, so
-    a run that was stopped goes on. SimulationError as for ``simulate_drive``."""
-    wanted = {f"train{number}": training_drive(number) for number in range(training)}
-    wanted |= {f"val{number}": validation_drive(number) for number in range(validation)}
-    folder.mkdir(parents=True, exist_ok=True)
+    """Record the planned drives as ``folder``/training/train0... and ``folder``/validation/val0...; those that are
+    there are left alone, so a run that was stopped goes on. SimulationError as for ``simulate_drive``."""
+    wanted = {Path("training", f"train{number}"): training_drive(number) for number in range(training)}
+    wanted |= {Path("validation", f"val{number}"): validation_drive(number) for number in range(validation)}
     for name, config in wanted.items():
         if not (folder / name).exists():
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
             simulate_drive(folder / name, config, progress)

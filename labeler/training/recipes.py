@@ -28,7 +28,7 @@ DETECTOR = Recipe(
     task="detector",
     file_name="sim-yolox-nano.onnx",
     crops=(_WINDOW, _WINDOW, _WINDOW, _WHOLE),
-    steps=10_000,
+    steps=7000,
     learning_rate=2e-3,
     workers=2,
 )
