@@ -54,9 +54,7 @@ def drives(
     """Simulate drives to learn from, and others to validate with. Needs the extra `simulation`."""
     with TerminalProgress() as progress:
         simulate_planned(out, training=training, validation=validation, progress=progress)
-    say(
-        f"{training} drives to learn from are in {out / 'training'}, {validation} to validate with in {out / 'validation'}."
-    )
+    say(f"{out / 'training'}: {training} drives to learn from; {out / 'validation'}: {validation} to validate with.")
 
 
 @train.command()

@@ -1,10 +1,14 @@
 """The plan of drives is what the shipped models were trained on, so it must not move."""
 
+from pathlib import Path
+
 import pytest
 
 from labeler.simulation.recording import SimulationConfig
 from labeler.simulation.towns import TOWNS
-from labeler.training.drive_plan import training_drive, validation_drive
+from labeler.training import drive_plan
+from labeler.training.drive_plan import simulate_planned, training_drive, validation_drive
+from labeler.training.pictures import find_drives
 
 
 @pytest.mark.parametrize(
@@ -29,3 +33,31 @@ def test_what_follows_from_a_number(
 def test_no_seed_is_both_learned_from_and_validated_with() -> None:
     learned = {training_drive(number).seed for number in range(1000)}
     assert learned.isdisjoint(validation_drive(number).seed for number in range(1000))
+
+
+class _Quiet:
+    def stage(self, name: str, units: int) -> None: ...
+
+    def advance(self, units: int = 1) -> None: ...
+
+
+def test_what_is_there_is_left_alone_and_the_two_kinds_are_apart(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    recorded: list[tuple[str, SimulationConfig]] = []
+
+    def record(folder: Path, config: SimulationConfig, progress: object) -> None:
+        (folder / "sensors").mkdir(parents=True)
+        recorded.append((folder.relative_to(tmp_path).as_posix(), config))
+
+    monkeypatch.setattr(drive_plan, "simulate_drive", record)
+    (tmp_path / "training" / "train1" / "sensors").mkdir(parents=True)
+
+    simulate_planned(tmp_path, training=3, validation=1, progress=_Quiet())
+
+    assert recorded == [
+        ("training/train0", training_drive(0)),
+        ("training/train2", training_drive(2)),
+        ("validation/val0", validation_drive(0)),
+    ]
+    assert [drive.name for drive in find_drives([tmp_path / "training"])] == ["train0", "train1", "train2"]
