@@ -91,6 +91,6 @@ def _answer(connection: Connection) -> object:
         return connection.recv()
     except EOFError as error:
         raise TrainingError(
-            "A worker process was ended by the system, most probably for want of memory. Use fewer --workers or drives. "
-            "The same command goes on from the last checkpoint."
+            "A worker process was ended by the system, probably for want of memory. Use fewer --workers or drives; "
+            "the same command goes on from the last checkpoint."
         ) from error
