@@ -107,7 +107,7 @@ OFFICIAL = (
 """From the smallest to the best."""
 
 SHIPPED = (
-    ShippedModel("sim-yolox-nano", Task.DETECTION, "9d707bf40b4a005f1a5706a22833b28fc07cca92249903b0812303b51c786575"),
+    ShippedModel("sim-yolox-nano", Task.DETECTION, "feb31ab1a613b136ec3188e65ec18af023ed1dc1507f0ad01c414ac1d1b0ea03"),
     ShippedModel(
         "sim-segmentation", Task.SEGMENTATION, "291426d1c092b42c9ac2f09763a383db3d30977643a092f7b6dd6018d99726ee"
     ),

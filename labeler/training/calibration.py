@@ -4,7 +4,8 @@ A network that has learned for minutes rather than days is right more often than
 a confidence counts few. So the logits of objectness and of the classes are stretched and shifted (J. Platt,
 "Probabilistic Outputs for Support Vector Machines", 1999) until the score of a box is the probability that it is a hit:
 of the right class, with an IoU of at least one half. The four numbers go into the last layer's weights, so the file is
-like any other.
+like any other. Boxes whose score is low before are left out: there are thousands, and four numbers can't be right for
+them and for the sure ones.
 """
 
 # pyright: reportUnknownMemberType=false
@@ -30,7 +31,7 @@ from labeler.evaluation.matching import match_greedily, overlapping_pairs
 from labeler.training.pictures import DETECTOR_CLASSES, Picture
 from labeler.training.yolox_network import Head, Yolox
 
-_MIN_SCORE = 0.02
+_MIN_SCORE = 0.2
 _HIT_IOU = 0.5
 _INSIDE_IGNORED = 0.5
 _FEWEST_BOXES = 50
