@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
@@ -144,7 +145,7 @@ def label_camera(unit: LabelUnit, path: Path) -> None:
 
 TRACK = Stage("track", 3, "arrow", track)
 IDENTITY = Stage("identity", 3, "json", find_identities)
-DONORS = Stage("donors", 2, "json", choose_donors)
+DONORS = Stage("donors", 3, "json", choose_donors)
 LABELS = Stage("labels", 3, "arrow", label_camera)
 
 
@@ -171,7 +172,7 @@ def summarise_tracks(camera: str, path: Path) -> list[TrackSummary]:
                 )
                 continue
             seen = replace(seen, last_frame=frame_index, observation_count=seen.observation_count + 1)
-            if not score <= seen.best_score:
+            if not (math.isnan(score) or score <= seen.best_score):  # a box that was filled in has no score
                 seen = replace(seen, best_score=score, best_frame=frame_index, class_id=class_id)
             summaries[track_id] = seen
     return [summaries[track_id] for track_id in sorted(summaries)]
