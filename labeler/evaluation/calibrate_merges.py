@@ -1,11 +1,13 @@
 """Fits the calibration of merges, and says how well it holds: the probability of a pair against what came true.
 
 Candidates come from made observations, of which the truth is known: of each drive with its own rig and with others, at
-its own rate and at lower ones, with several strengths and seeds of noise, with and without LiDAR. Each curve is fitted
-under the direction that sense demands (farther apart is never more probably one object), so that it holds beyond what
-was seen, and a ridge keeps curves flat where nothing speaks for a bend.
+its own rate and at lower ones, with several strengths and seeds of noise, with and without LiDAR; and from what real
+detectors and trackers make of the images of other drives. Each curve is fitted under the direction that sense demands
+(farther apart is never more probably one object), so that it holds beyond what was seen, and a ridge keeps curves flat
+where nothing speaks for a bend.
 
-    python -m labeler.evaluation.calibrate_merges --fit DRIVE ... --check DRIVE ... --out calibration.json
+    python -m labeler.evaluation.calibrate_merges --fit DRIVE ... --fit-detected DRIVE ... --check DRIVE ...
+        --check-detected DRIVE ... --model MODEL ... --workspace FOLDER --out calibration.json
 """
 
 from __future__ import annotations
@@ -13,9 +15,10 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from functools import partial
+from itertools import chain, pairwise, product
 from pathlib import Path
 
 import numpy as np
@@ -23,15 +26,17 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 from scipy.special import expit
 
-from labeler.drive import open_truth
-from labeler.evaluation.benchmark_merges import TrackedScene, track_scene
-from labeler.evaluation.made_observations import NOTHING, Noise, Scene, scene_of
+from labeler.drive import open_drive, open_truth
+from labeler.evaluation.benchmark_merges import track_scene
+from labeler.evaluation.made_observations import Noise, Scene, scene_of
 from labeler.evaluation.made_observations.rigs import RIGS, every_nth_frame, with_rig
+from labeler.evaluation.owned_tracks import OwnedTracks, of_detector, of_scene
 from labeler.identity.calibration import Calibration, Curve, KindModel
 from labeler.identity.config import IdentityConfig
 from labeler.identity.features import FEATURES, Candidate
 from labeler.identity.merging import gather
 from labeler.identity.types import MergeKind
+from labeler.pipeline import LabelSettings
 from labeler.tracking import TrackingConfig
 
 _MAX_KNOTS = 8
@@ -66,6 +71,11 @@ class Sample:
     values: NDArray[np.float64]
     is_one: NDArray[np.bool_]
 
+    @staticmethod
+    def joined(samples: Sequence[Sample]) -> Sample:
+        """All of them as one."""
+        return Sample(np.concatenate([one.values for one in samples]), np.concatenate([one.is_one for one in samples]))
+
 
 def conditions(scene: Scene, seed: int) -> Iterator[tuple[Scene, Noise]]:
     """A scene under several rigs, rates, noises; the noise's seeds follow from ``seed``."""
@@ -79,18 +89,19 @@ def conditions(scene: Scene, seed: int) -> Iterator[tuple[Scene, Noise]]:
         yield every_nth_frame(with_rig(scene, rig), step), Noise(level, seed + 10 + number)
 
 
-def samples_of(tracked: TrackedScene) -> dict[MergeKind, Sample]:
-    """The candidates of a tracked scene with what is true of them."""
+def samples_of(tracks: OwnedTracks) -> dict[MergeKind, Sample]:
+    """The candidates among tracks with what is true of them; without those of which that is not clear."""
     config = IdentityConfig()
-    gathered = gather(tracked.frames, config, class_groups=tracked.class_groups, rig=tracked.rig)
+    gathered = gather(tracks.frames, config, class_groups=tracks.class_groups, rig=tracks.rig)
     by_kind: dict[MergeKind, list[Candidate]] = {kind: [] for kind in MergeKind}
     for candidate in gathered.candidates(config):
-        by_kind[candidate.kind].append(candidate)
+        if candidate.track_a in tracks.object_of and candidate.track_b in tracks.object_of:
+            by_kind[candidate.kind].append(candidate)
     found: dict[MergeKind, Sample] = {}
     for kind, candidates in by_kind.items():
-        owners = [(tracked.object_of[one.track_a], tracked.object_of[one.track_b]) for one in candidates]
+        owners = [(tracks.object_of[one.track_a], tracks.object_of[one.track_b]) for one in candidates]
         values = np.array([one.values for one in candidates]).reshape(-1, len(FEATURES[kind]))
-        found[kind] = Sample(values, np.array([a == b != NOTHING for a, b in owners], np.bool_))
+        found[kind] = Sample(values, np.array([a == b and a is not None for a, b in owners], np.bool_))
     return found
 
 
@@ -179,18 +190,29 @@ def _hats(values: NDArray[np.float64], knots: NDArray[np.float64]) -> NDArray[np
     return hats
 
 
-def _gather(drives: Sequence[Path], first_seed: int, max_frames: int | None) -> dict[MergeKind, Sample]:
-    values: dict[MergeKind, list[Sample]] = {kind: [] for kind in MergeKind}
+def _made(drives: Sequence[Path], first_seed: int, max_frames: int | None) -> Iterator[OwnedTracks]:
+    """Tracks of made observations."""
     for number, path in enumerate(drives):
         scene = scene_of(open_truth(path), max_frames=max_frames)
         for changed, noise in conditions(scene, first_seed + 100 * number):
-            for kind, sample in samples_of(track_scene(changed, noise, TrackingConfig())).items():
-                values[kind].append(sample)
+            yield of_scene(track_scene(changed, noise, TrackingConfig()))
         sys.stderr.write(f"{path.name} done\n")
-    return {
-        kind: Sample(np.concatenate([one.values for one in of_kind]), np.concatenate([one.is_one for one in of_kind]))
-        for kind, of_kind in values.items()
-    }
+
+
+def _detected(drives: Sequence[Path], models: Sequence[Path], workspace: Path | None) -> Iterator[OwnedTracks]:
+    """Tracks of each model's detections by each tracker."""
+    for path in drives:
+        drive = open_drive(path)
+        for model, tracker in product(models, ("offline", "two_stage")):
+            assert workspace is not None
+            settings = LabelSettings(tracking=TrackingConfig(method=tracker))
+            yield of_detector(drive, model, workspace=workspace, settings=settings)
+            sys.stderr.write(f"{path.name}, {model.name}, {tracker} done\n")
+
+
+def _gather(tracks: Iterable[OwnedTracks]) -> dict[MergeKind, Sample]:
+    samples = [samples_of(some) for some in tracks]
+    return {kind: Sample.joined([of_some[kind] for of_some in samples]) for kind in MergeKind}
 
 
 def main() -> None:
@@ -198,16 +220,28 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--fit", type=Path, nargs="+", required=True, help="drives with 3D truth to fit on")
     parser.add_argument("--check", type=Path, nargs="+", required=True, help="other drives, for the reliability table")
-    parser.add_argument("--frames", type=int, help="use the first frames of each drive only")
+    parser.add_argument("--frames", type=int, help="use the first frames of each of these drives only")
+    parser.add_argument("--fit-detected", type=Path, nargs="*", default=[], help="drives with images, to fit on")
+    parser.add_argument("--check-detected", type=Path, nargs="*", default=[], help="other drives with images")
+    parser.add_argument("--model", type=Path, nargs="*", default=[], help="detectors to run on these")
+    parser.add_argument("--workspace", type=Path, help="folder for what the detectors find")
     parser.add_argument("--out", type=Path, required=True, help="the calibration to write")
     options = parser.parse_args()
-    samples = _gather(options.fit, 0, options.frames)
+    if (options.fit_detected or options.check_detected) and not (options.model and options.workspace):
+        parser.error("--fit-detected and --check-detected need --model and --workspace")
+    detected = partial(_detected, models=options.model, workspace=options.workspace)
+    samples = _gather(chain(_made(options.fit, 0, options.frames), detected(options.fit_detected)))
     for kind, sample in samples.items():
         sys.stdout.write(f"{kind.value}: {len(sample.is_one)} pairs, {int(sample.is_one.sum())} of one object\n")
     calibration = fit(samples)
     options.out.write_text(json.dumps(calibration.to_json(), indent=1) + "\n", encoding="utf-8")
-    for kind, low, high, count, share in reliability(calibration, _gather(options.check, 50_000, options.frames)):
-        sys.stdout.write(f"{kind:9} {low:4.2f} to {high:4.2f}: {count:6} pairs, {share:.3f} came true\n")
+    checks = {
+        "made": _made(options.check, 50_000, options.frames),
+        "detected": detected(options.check_detected),
+    }
+    for source, tracks in checks.items():
+        for kind, low, high, count, share in reliability(calibration, _gather(tracks)):
+            sys.stdout.write(f"{source:8} {kind:9} {low:4.2f} to {high:4.2f}: {count:6} pairs, {share:.3f} came true\n")
 
 
 if __name__ == "__main__":

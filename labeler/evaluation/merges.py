@@ -116,24 +116,33 @@ def _true_object_of_tracks(
     truth: TruthBoxes2D, observations: Mapping[str, Iterable[Observations]], min_iou: float
 ) -> tuple[dict[int, str], dict[int, str]]:
     """The true object and the camera of every track that matches one at all."""
-    rows_of: dict[tuple[str, int], list[int]] = {}
-    for row, (camera, frame_index) in enumerate(zip(truth.camera, truth.frame_index.tolist(), strict=True)):
-        rows_of.setdefault((camera, frame_index), []).append(row)
     uuid_of_track: dict[int, str] = {}
     camera_of_track: dict[int, str] = {}
     for camera, parts in observations.items():
-        counts: dict[int, Counter[str]] = {}
-        for part in parts:
-            for frame_index in np.unique(part.frame_index).tolist():
-                here = part[part.frame_index == frame_index]
-                rows = rows_of.get((camera, frame_index), [])
-                for observation, row in _match(here.xyxy_px, truth.xyxy_px[rows], min_iou):
-                    track = int(here.track_id[observation])
-                    counts.setdefault(track, Counter())[truth.track_uuid[rows[row]]] += 1
-        for track, of_uuid in counts.items():
+        for track, of_uuid in count_true_objects(truth, camera, parts, min_iou=min_iou).items():
             uuid_of_track[track] = min(of_uuid, key=lambda uuid: (-of_uuid[uuid], uuid))
             camera_of_track[track] = camera
     return uuid_of_track, camera_of_track
+
+
+def count_true_objects(
+    truth: TruthBoxes2D, camera: str, parts: Iterable[Observations], *, min_iou: float
+) -> dict[int, Counter[str]]:
+    """How many boxes of each track of a camera match which true object; tracks that match none are missing. Every part
+    holds whole frames."""
+    rows_of: dict[int, list[int]] = {}
+    for row, (name, frame_index) in enumerate(zip(truth.camera, truth.frame_index.tolist(), strict=True)):
+        if name == camera:
+            rows_of.setdefault(frame_index, []).append(row)
+    counts: dict[int, Counter[str]] = {}
+    for part in parts:
+        for frame_index in np.unique(part.frame_index).tolist():
+            here = part[part.frame_index == frame_index]
+            rows = rows_of.get(frame_index, [])
+            for observation, row in _match(here.xyxy_px, truth.xyxy_px[rows], min_iou):
+                track = int(here.track_id[observation])
+                counts.setdefault(track, Counter())[truth.track_uuid[rows[row]]] += 1
+    return counts
 
 
 def _match(boxes_px: NDArray[np.float32], truth_px: NDArray[np.float32], min_iou: float) -> list[tuple[int, int]]:

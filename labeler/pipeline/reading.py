@@ -47,7 +47,7 @@ def read_labelled_frames(
     labelled: Iterator[tuple[int, dict[str, Columns]]] = _in_step(label_streams)
     for view, (_, rows) in zip(read_views(tracks, boxes_3d), labelled, strict=True):
         views = {
-            camera: LabelledView(seen.observations, rows_of(Labels, rows[camera]), seen.boxes_3d)
+            camera: LabelledView(seen.observations, rows_of(Labels, rows[camera]), seen.boxes_3d, seen.positions)
             for camera, seen in view.views.items()
         }
         yield LabelledFrame(view.frame_index, views)

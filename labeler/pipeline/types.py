@@ -7,14 +7,14 @@ is large (observations, labels and 3D boxes) from its artifacts, frame by frame.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol, TypedDict
 
 import numpy as np
 
 from labeler.errors import HindsightError
 from labeler.identity.types import MergeProposal
-from labeler.lidar.types import Boxes3D
+from labeler.lidar.types import Boxes3D, Positions3D
 from labeler.propagation.config import PropagationConfig
 from labeler.propagation.types import Donor, Labels
 from labeler.tracking.types import Observations
@@ -99,11 +99,13 @@ class TrackSummary:
 
 @dataclass(frozen=True, eq=False)
 class LabelledView:
-    """One camera in one frame: ``observations`` and ``labels`` row by row, and the 3D boxes of that direction."""
+    """One camera in one frame: ``observations`` and ``labels`` row by row, the 3D boxes of that direction, and where
+    its detections stand."""
 
     observations: Observations
     labels: Labels
     boxes_3d: Boxes3D
+    positions: Positions3D = field(default_factory=Positions3D.empty)
 
     def track_of_boxes_3d(self) -> np.ndarray[tuple[int], np.dtype[np.int32]]:
         """(B,) int32: the track that each 3D box belongs to, through the detection that both come from; -1 for none."""

@@ -1,0 +1,73 @@
+"""Tracks of which it is known which true object each shows: what merging is calibrated on.
+
+They come from made observations (:mod:`labeler.evaluation.benchmark_merges`), or from a real detector on a drive with
+truth, whose boxes and tracks err in ways that no model of noise has: tracks of one or two boxes, boxes that hold two
+cars, false boxes at the same post in every frame.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from labeler.detection.classes import suppression_group_of
+from labeler.drive import Drive
+from labeler.evaluation.benchmark_merges import TrackedScene
+from labeler.evaluation.merges import count_true_objects
+from labeler.evaluation.types import EvaluationError
+from labeler.identity import CameraView, MultiCameraFrame, Rig
+from labeler.pipeline import LabelSettings, label_drive
+from labeler.pipeline.plan import rig_of
+
+_MIN_IOU = 0.3
+_CLEAR_SHARE = 0.7
+
+
+@dataclass(frozen=True, eq=False)
+class OwnedTracks:
+    """``frames`` of tracks as the identity step takes them. ``object_of`` names the true object of each track, None
+    where it shows none; tracks that show several are missing from it."""
+
+    frames: Sequence[MultiCameraFrame]
+    object_of: Mapping[int, str | None]
+    class_groups: tuple[int, ...]
+    rig: Rig
+
+
+def of_scene(tracked: TrackedScene) -> OwnedTracks:
+    """Those of made observations."""
+    object_of = {track: str(owner) if owner >= 0 else None for track, owner in tracked.object_of.items()}
+    return OwnedTracks(tracked.frames, object_of, tracked.class_groups, tracked.rig)
+
+
+def of_detector(drive: Drive, model: Path, *, workspace: Path, settings: LabelSettings) -> OwnedTracks:
+    """Those that the pipeline finds in a drive's images. ``workspace`` keeps its artifacts.
+
+    A box shows the true object that it overlaps by an IoU of at least 0.3, and a track the one that at least 70 % of
+    its matching boxes show. EvaluationError when the drive has no true boxes in its images."""
+    truth = drive.read_truth(drive.frames)
+    if truth is None or truth.boxes_2d is None:
+        raise EvaluationError(f"{drive.root} has no true boxes in its images, so nobody knows whose its tracks are.")
+    labelled = label_drive(drive, model=model, workspace=workspace, settings=settings)
+    frames = [
+        MultiCameraFrame(
+            frame.frame_index,
+            {
+                camera: CameraView(view.observations, view.boxes_3d, view.positions)
+                for camera, view in frame.views.items()
+            },
+        )
+        for frame in labelled.frames()
+    ]
+    object_of: dict[int, str | None] = {track.track_id: None for track in labelled.tracks}
+    for camera in {track.camera for track in labelled.tracks}:
+        counts = count_true_objects(truth.boxes_2d, camera, labelled.observations(camera), min_iou=_MIN_IOU)
+        for track, of_object in counts.items():
+            owner, count = of_object.most_common(1)[0]
+            if count >= _CLEAR_SHARE * of_object.total():
+                object_of[track] = owner
+            else:
+                del object_of[track]
+    groups: tuple[int, ...] = tuple(suppression_group_of(labelled.class_names).tolist())
+    return OwnedTracks(frames, object_of, groups, rig_of(drive))
