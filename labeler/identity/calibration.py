@@ -2,8 +2,8 @@
 
 The log odds are a sum of one curve for each feature, piecewise linear between knots: a logistic regression that may
 bend, and still says of each feature what it adds. The curves are fitted on made observations of simulated drives, of
-several seeds, rigs, rates and strengths of noise (``hindsight benchmark calibrate-merges``), and lie in
-``calibration.json`` beside this module.
+several seeds, rigs, rates and strengths of noise, and on detected ones (``python -m
+labeler.evaluation.calibrate_merges``), and lie in ``calibration.json`` beside this module.
 """
 
 from __future__ import annotations
