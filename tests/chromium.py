@@ -24,9 +24,11 @@ def find_chromium() -> str:
 
 
 @contextmanager
-def headless_chromium() -> Iterator[Browser]:
-    """A browser that draws WebGL in software. Only one at a time may run in a thread, so use it a module at most."""
-    arguments = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"]
+def headless_chromium(*, webgl: bool = True) -> Iterator[Browser]:
+    """A browser that draws WebGL in software, and the page itself by the same means, some five times slower than
+    without ``webgl``. Only one at a time may run in a thread, so use it a module at most."""
+    in_software = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"]
+    arguments = in_software if webgl else ["--disable-gpu"]
     if os.geteuid() == 0:
         arguments.append("--no-sandbox")  # Chromium refuses its sandbox to root
     program = find_chromium()
