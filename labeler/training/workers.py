@@ -35,7 +35,7 @@ def open_workers(count: int, work: Work) -> Generator[Callable[[int], Sequence[f
     TrainingError when a worker was ended from outside."""
     if "fork" not in multiprocessing.get_all_start_methods():
         with ThreadPoolExecutor(count) as pool:
-            yield lambda step: list(pool.map(lambda number: work(number, step), range(count)))
+            yield lambda step: list(pool.map(work, range(count), [step] * count))
         return
     with ExitStack() as stack:
         workers = [stack.enter_context(_forked(number, work)) for number in range(count)]
