@@ -51,7 +51,7 @@ class IdentityConfig:
 
     method: str = ASSIGNMENT
     accept_probability: float = 0.9
-    propose_probability: float = 0.3
+    propose_probability: float = 0.5
     max_gap_s: float = 6.0
     max_still_gap_s: float = 15.0
     best_frames: int = 3
