@@ -329,7 +329,7 @@ def test_an_edit_of_what_somebody_else_changed_is_refused(editor: Editor) -> Non
     editor.edit("join", reviewer="Ada", identity_ids=[3, 4])
     answer = editor.refused("class", revision=seen, reviewer="Bo", identity_ids=[4], class_name="car")
     assert (answer.status_code, answer.json()["detail"]["code"]) == (409, "stale")
-    assert "Ada changed object #4 in the meantime (join" in answer.json()["detail"]["message"]
+    assert "Ada changed object #3, #4 in the meantime (join" in answer.json()["detail"]["message"]
     # other objects are free
     editor.edit("class", revision=seen, reviewer="Bo", identity_ids=[5], class_name="car")
 
