@@ -1,95 +1,20 @@
-"""Pulling from a real server on this machine: whole, slow, broken off, wrong, absent, full, twice at once, by proxy."""
+"""Pulling from a real server on this machine: whole, slow, broken off, wrong, absent, full, twice at once."""
 
 import errno
 import hashlib
 import io
 import threading
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from http import HTTPStatus
 from pathlib import Path
 from typing import IO, Any
 
-import onnx
 import pytest
-from onnx import helper
 
 from labeler.models import ModelCache, ModelStoreError, OfficialModel, Pulled, pull
 from labeler.models.errors import BrokenOff, DiskFull, ProxyProblem, PullError, SourceProblem, WrongBytes
-from tests.labeler.models.model_server import CERTIFICATE, Behaviour, serving
-
-NAME, FILE = "yolox-nano", "yolox_nano.onnx"
-
-
-@dataclass
-class Heard:
-    """What a pull tells of its progress; ``on_advance`` is called with the bytes so far."""
-
-    begun: list[tuple[int, int | None]] = field(default_factory=list[tuple[int, int | None]])
-    came: int = 0
-    waited: threading.Event = field(default_factory=threading.Event)
-    on_advance: Callable[[int], None] = lambda came: None
-
-    def waiting(self) -> None:
-        self.waited.set()
-
-    def begin(self, *, done_bytes: int, total_bytes: int | None) -> None:
-        self.begun.append((done_bytes, total_bytes))
-
-    def advance(self, count_bytes: int) -> None:
-        self.came += count_bytes
-        self.on_advance(self.came)
-
-
-@pytest.fixture(autouse=True)
-def no_proxy_of_this_machine(monkeypatch: pytest.MonkeyPatch) -> None:
-    for name in ("http_proxy", "https_proxy", "all_proxy", "no_proxy"):
-        monkeypatch.delenv(name, raising=False)
-        monkeypatch.delenv(name.upper(), raising=False)
-
-
-@pytest.fixture
-def content(made_model: Path) -> bytes:
-    """The made detector, filled up to 100 kB."""
-    model = onnx.load(str(made_model))
-    helper.set_model_props(model, {"filling": "x" * 100_000})
-    return model.SerializeToString()
-
-
-@pytest.fixture
-def behaviour(content: bytes) -> Behaviour:
-    return Behaviour(files={FILE: content})
-
-
-@pytest.fixture
-def source(behaviour: Behaviour) -> Iterator[str]:
-    with serving(behaviour) as address:
-        yield address
-
-
-@pytest.fixture
-def published(content: bytes) -> OfficialModel:
-    return OfficialModel(NAME, FILE, hashlib.sha256(content).hexdigest(), len(content), "Nx3xHxW")
-
-
-@pytest.fixture
-def cache(tmp_path: Path) -> ModelCache:
-    return ModelCache(tmp_path / "models")
-
-
-@pytest.fixture
-def pulling(cache: ModelCache, source: str, published: OfficialModel) -> Callable[..., Pulled]:
-    """Pull the made model from the server."""
-
-    def run(
-        *, mirror: str = source, model: OfficialModel = published, heard: Heard | None = None, **how: Any
-    ) -> Pulled:
-        return pull(NAME, cache, progress=heard or Heard(), mirror=mirror, official=(model,), **how)
-
-    return run
-
-
-Pulling = Callable[..., Pulled]
+from tests.labeler.models.model_server import Behaviour
+from tests.labeler.models.pulling import FILE, NAME, Heard, Pulling
 
 
 def part_of(cache: ModelCache) -> Path:
@@ -273,12 +198,6 @@ def test_a_server_that_is_not_there_is_named(pulling: Pulling, unused_address: s
         pulling(mirror=unused_address)
 
 
-@pytest.fixture
-def unused_address() -> str:
-    with serving(Behaviour()) as address:
-        return address  # the server has ended when this is used
-
-
 class _FullDisk(io.BytesIO):
     """A file on a disk that has room for so many bytes more."""
 
@@ -347,61 +266,6 @@ def test_two_pulls_at_once_make_one_download(
     assert sorted(one.fresh for one in pulled) == [False, True]
     assert cache.path(NAME).read_bytes() == content
     assert len(behaviour.requests) == 1
-
-
-def test_a_proxy_is_obeyed(
-    pulling: Pulling, behaviour: Behaviour, source: str, content: bytes, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("HTTP_PROXY", source)
-    pulling(mirror="http://models.invalid/yolox")
-    assert behaviour.requests == [(f"http://models.invalid/yolox/{FILE}", None)]
-
-
-@pytest.mark.parametrize(
-    ("status", "says"),
-    [
-        (
-            HTTPStatus.PROXY_AUTHENTICATION_REQUIRED,
-            r"The proxy 127\.0\.0\.1:\d+ wants a login \(407\)\. Set HTTPS_PROXY",
-        ),
-        (HTTPStatus.FORBIDDEN, r"The proxy 127\.0\.0\.1:\d+ won't connect to models\.invalid: it answered 403"),
-    ],
-)
-def test_a_proxy_that_refuses_is_named_without_its_password(
-    pulling: Pulling,
-    behaviour: Behaviour,
-    source: str,
-    monkeypatch: pytest.MonkeyPatch,
-    status: HTTPStatus,
-    says: str,
-) -> None:
-    behaviour.tunnel_status = status
-    monkeypatch.setenv("HTTPS_PROXY", source.replace("//", "//me:secret@"))
-    with pytest.raises(ProxyProblem, match=says) as caught:
-        pulling(mirror="https://models.invalid")
-    assert "secret" not in str(caught.value)
-    assert behaviour.requests == [("models.invalid:443", None)]
-
-
-def test_a_proxy_that_is_not_there_is_named(
-    pulling: Pulling, unused_address: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("HTTPS_PROXY", unused_address)
-    with pytest.raises(ProxyProblem, match=r"The proxy 127\.0\.0\.1:\d+ .* can't be reached: Connection refused"):
-        pulling(mirror="https://models.invalid")
-
-
-def test_traffic_that_is_opened_is_named(pulling: Pulling, behaviour: Behaviour) -> None:
-    with serving(behaviour, encrypted=True) as address, pytest.raises(ProxyProblem, match="set SSL_CERT_FILE"):
-        pulling(mirror=address)
-
-
-def test_a_certificate_of_the_users_is_trusted(
-    pulling: Pulling, behaviour: Behaviour, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("SSL_CERT_FILE", str(CERTIFICATE))
-    with serving(behaviour, encrypted=True) as address:
-        assert pulling(mirror=address).fresh
 
 
 @pytest.mark.parametrize(
