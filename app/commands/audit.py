@@ -8,15 +8,10 @@ import typer
 from rich.table import Table
 
 from app.audit.service import audit_labelling
-from app.commands.evaluate import not_labelled
 from app.commands.options import AsJson, DriveFolder, SceneName, WorkspaceFolder
+from app.commands.stored_labels import open_stored_labels
 from app.commands.terminal import TerminalProgress, show_table
-from app.db.engine import migrate, open_engine
-from app.db.session import Store
-from app.drives import repository as drives_repository
 from app.settings import Settings, load_settings
-from app.tracks import repository as tracks_repository
-from labeler.drive import open_drive
 from labeler.evaluation.audit import Agreement, Audit, AuditConfig, AuditRow
 
 
@@ -43,22 +38,10 @@ def audit(
 
 def audit_drive(settings: Settings, folder: Path, *, scene: str | None, config: AuditConfig) -> Audit:
     """Audit the labels that the workspace holds of the drive in a folder. HindsightError where it holds none."""
-    recorded = open_drive(folder.absolute(), scene=scene)
-    if settings.database_url is None and not (settings.workspace / "hindsight.db").exists():
-        raise not_labelled(settings, recorded, folder)
-    engine = open_engine(settings.store_url)
-    try:
-        migrate(engine)
-        store = Store(engine)
-        with store.read() as session:
-            row = drives_repository.find_by_path(session, str(recorded.root), scene)
-            labelling = None if row is None else tracks_repository.current_labelling(session, row.id)
-        if row is None or labelling is None:
-            raise not_labelled(settings, recorded, folder)
-        with TerminalProgress() as progress:
-            return audit_labelling(store, settings, row, labelling, recorded, config=config, progress=progress)
-    finally:
-        engine.dispose()
+    with open_stored_labels(settings, folder, scene=scene) as found, TerminalProgress() as progress:
+        return audit_labelling(
+            found.store, settings, found.drive, found.labelling, found.recorded, config=config, progress=progress
+        )
 
 
 def show(found: Audit) -> None:

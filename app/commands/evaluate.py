@@ -9,16 +9,11 @@ from rich.table import Table
 
 from app.commands.label import label_into_store
 from app.commands.options import AsJson, DriveFolder, InputSize, SceneName, WorkspaceFolder
+from app.commands.stored_labels import open_stored_labels
 from app.commands.terminal import say, show_table
-from app.db.engine import migrate, open_engine
-from app.db.session import Store
-from app.drives import repository as drives_repository
 from app.evaluation.schemas import ClassMode
 from app.evaluation.service import evaluate_labelling
 from app.settings import Settings, load_settings
-from app.tracks import repository as tracks_repository
-from labeler.drive import Drive, open_drive
-from labeler.errors import HindsightError
 from labeler.evaluation.report import write_report
 from labeler.evaluation.types import IOUS, Evaluation, EvaluationConfig
 from labeler.pipeline import open_executor
@@ -63,20 +58,8 @@ def evaluate(
 
 def evaluate_drive(settings: Settings, folder: Path, *, scene: str | None, config: EvaluationConfig) -> Evaluation:
     """Evaluate the labels that the workspace holds of the drive in a folder. HindsightError where it holds none."""
-    recorded = open_drive(folder.absolute(), scene=scene)
-    if settings.database_url is None and not (settings.workspace / "hindsight.db").exists():
-        raise not_labelled(settings, recorded, folder)
-    engine = open_engine(settings.store_url)
-    try:
-        migrate(engine)
-        with Store(engine).read() as session:
-            row = drives_repository.find_by_path(session, str(recorded.root), scene)
-            labelling = None if row is None else tracks_repository.current_labelling(session, row.id)
-            if row is None or labelling is None:
-                raise not_labelled(settings, recorded, folder)
-            return evaluate_labelling(session, settings, row, labelling, recorded, config=config)
-    finally:
-        engine.dispose()
+    with open_stored_labels(settings, folder, scene=scene) as found, found.store.read() as session:
+        return evaluate_labelling(session, settings, found.drive, found.labelling, found.recorded, config=config)
 
 
 def show(evaluation: Evaluation) -> None:
@@ -110,11 +93,3 @@ def show(evaluation: Evaluation) -> None:
 def share(value: float | None) -> str:
     """Three digits, or a dash where there is nothing to be a share of."""
     return "-" if value is None else f"{value:.3f}"
-
-
-def not_labelled(settings: Settings, recorded: Drive, folder: Path) -> HindsightError:
-    """The error of a command that needs labels of a drive where there are none."""
-    return HindsightError(
-        f"The workspace {settings.workspace} has no labels of {recorded.name}. Label it first, in the same workspace: "
-        f"hindsight label {folder}."
-    )
