@@ -6,6 +6,7 @@ import type { DriveRevision } from "../../api/types";
 import { text } from "../../strings";
 import { useShared } from "../ReviewContext";
 import { describeEdit } from "./describe";
+import { RevisionNews } from "./revisionNews";
 import { useEditNotice } from "./useEdits";
 
 /** A change that is our own is known when its request is answered; events may come first. */
@@ -16,6 +17,7 @@ export function useDriveEvents(): void {
   const client = useQueryClient();
   useEffect(() => {
     const timers = new Set<ReturnType<typeof setTimeout>>();
+    const revisions = new RevisionNews();
     const source = new EventSource(`/api/drives/${driveId}/events`);
     const onRevision = ({ revision, edit }: DriveRevision) => {
       if (client.isMutating({ mutationKey: ["decide", driveId] }) > 0) return later({ revision, edit });
@@ -32,8 +34,7 @@ export function useDriveEvents(): void {
     };
     source.addEventListener("revision", (event) => {
       const news: DriveRevision = JSON.parse((event as MessageEvent<string>).data);
-      // Whether it is news is asked when it comes: labels that are read meanwhile may tell of the revision first.
-      if (news.revision > (observations.knownRevision() ?? news.revision)) later(news);
+      if (revisions.isNews(news.revision, observations.knownRevision())) later(news);
     });
     return () => {
       source.close();
