@@ -14,6 +14,7 @@ from app.edits import repository
 from app.edits.anchors import TrackIds
 from app.edits.donors import decide_donor
 from app.edits.drawing import decide_box, decide_interpolation
+from app.edits.pairs import pairs
 from app.edits.pieces import Pieces
 from app.edits.schemas import (
     AnyEdit,
@@ -181,7 +182,7 @@ def _lift(
     )
     group_of = {pieces.track_at(place): number for number, group in enumerate(groups) for place in group}
     lifted: list[Effect] = []
-    for pair in repository.pairs(session, subjects.labelling.id, pieces):
+    for pair in pairs(session, subjects.labelling.id, pieces):
         group_a, group_b = group_of.get(pair.track_a), group_of.get(pair.track_b)
         if group_a is None or group_b is None:
             continue

@@ -14,16 +14,14 @@ from app.tracks.models import TrackRow
 IDS_PER_QUERY = 1_000
 
 
-class Pair(NamedTuple):
-    """What people say of two tracks: ``kind`` is SAME or APART."""
+class Word(NamedTuple):
+    """What a person says of two places: ``kind`` is SAME, APART or OPEN. ``effect_id`` is None for a rejected merge."""
 
-    track_a: int
-    track_b: int
     kind: EffectKind
-    effect_id: int
-    review_id: int
     place: Place
     other: Place
+    effect_id: int | None
+    review_id: int
 
 
 def insert(session: Session, labelling_id: int, review_id: int, effects: Iterable[Effect], *, active: bool) -> None:
@@ -116,25 +114,17 @@ def shaping(session: Session, labelling_id: int, tracked_id: int) -> list[Effect
     return [to_effect(row) for row in session.scalars(query)]
 
 
-def pairs(session: Session, labelling_id: int, pieces: Pieces) -> list[Pair]:
-    """What people say of pairs of tracks, in the order in which it was said; the last word on each pair.
-
-    Two places of one track are no pair."""
-    query = (
-        select(EffectRow)
-        .where(EffectRow.labelling_id == labelling_id, EffectRow.active, EffectRow.kind.in_(PAIRING))
-        .order_by(EffectRow.review_id, EffectRow.id)
+def pairing(session: Session, labelling_id: int) -> list[Word]:
+    """What edits say of two places each."""
+    query = select(EffectRow).where(
+        EffectRow.labelling_id == labelling_id, EffectRow.active, EffectRow.kind.in_(PAIRING)
     )
-    found: dict[frozenset[int], Pair] = {}
+    words: list[Word] = []
     for row in session.scalars(query):
         effect = to_effect(row)
         assert effect.other is not None
-        track_a, track_b = pieces.track_at(effect.place), pieces.track_at(effect.other)
-        key = frozenset((track_a, track_b))
-        found.pop(key, None)  # so that the order is that of the last words
-        if track_a != track_b and effect.kind is not EffectKind.OPEN:
-            found[key] = Pair(track_a, track_b, effect.kind, row.id, row.review_id, effect.place, effect.other)
-    return list(found.values())
+        words.append(Word(effect.kind, effect.place, effect.other, row.id, row.review_id))
+    return words
 
 
 def sayings(session: Session, labelling_id: int, tracked_ids: Iterable[int]) -> list[Effect]:

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 
 from app.db.session import Session
 from app.edits import repository as edits_repository
-from app.edits.repository import Pair
+from app.edits.pairs import Pair, pairs
 from app.edits.types import Effect, EffectKind
 from app.errors import CannotLink
 from app.tracks import repository as tracks_repository
@@ -40,10 +40,10 @@ class TrackFrames:
 class MayNotBeOne:
     """Whether two tracks can't be one object: they share a frame of a camera, or a person said that they are two."""
 
-    def __init__(self, session: Session, labelling_id: int, tracks: Sequence[TrackRow], pairs: Iterable[Pair]) -> None:
+    def __init__(self, session: Session, labelling_id: int, tracks: Sequence[TrackRow], said: Iterable[Pair]) -> None:
         self.frames = TrackFrames(session, labelling_id, tracks)
         self._cameras = {track.track_id: track.camera_id for track in tracks}
-        self._apart = {frozenset((pair.track_a, pair.track_b)): pair for pair in pairs if pair.kind is EffectKind.APART}
+        self._apart = {frozenset((pair.track_a, pair.track_b)): pair for pair in said if pair.kind is EffectKind.APART}
 
     def __call__(self, track_a: int, track_b: int) -> bool:
         if self.apart(track_a, track_b) is not None:
@@ -68,12 +68,12 @@ def require_one_object(
     open_pairs = {
         frozenset((pieces.track_at(effect.place), pieces.track_at(effect.other))) for effect in lifted if effect.other
     }
-    pairs = [
+    said = [
         pair
-        for pair in edits_repository.pairs(session, labelling_id, pieces)
+        for pair in pairs(session, labelling_id, pieces)
         if frozenset((pair.track_a, pair.track_b)) not in open_pairs
     ]
-    forbids = MayNotBeOne(session, labelling_id, tracks, pairs)
+    forbids = MayNotBeOne(session, labelling_id, tracks, said)
     graph = IdentityGraph(dict.fromkeys((track.track_id for track in tracks), ""), lambda a, b: False)
     for identity in identities:
         members = [track.track_id for track in tracks if track.identity_id == identity]

@@ -2,9 +2,10 @@
 
 Only the tracks that the changed merges can reach are looked at. A person's merges are joined first, the machine's after
 them in order of score, all under the cannot-link rule; a merge of the machine that no longer fits becomes a proposal,
-and is made again when it fits again. People's edits bind as their merges do: tracks that they joined, and tracks that
-they said are two objects. Then every identity takes the class that a person gave it, else the labels that the labeler
-makes of its observations (:mod:`app.identities.relabelling`).
+and is made again when it fits again. Two tracks of which a person rejected the merge are two objects: where others of
+the machine's merges tie them, the weakest give way. People's edits bind as their merges do. Then every identity takes
+the class that a person gave it, else the labels that the labeler makes of its observations
+(:mod:`app.identities.relabelling`).
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -13,8 +14,8 @@ from typing import TypeVar
 
 from app.db.session import Session
 from app.edits import repository as edits_repository
+from app.edits.pairs import Pair, pairs
 from app.edits.pieces import Pieces
-from app.edits.repository import Pair
 from app.edits.types import EffectKind
 from app.identities import repository
 from app.identities.conflicts import MayNotBeOne
@@ -77,12 +78,12 @@ def relink(
     ``gone_identities`` are those that tracks which are there no longer were in."""
     session.flush()
     pieces = edits_repository.pieces(session, labelling_id)
-    pairs = _of_tracks_that_are(session, labelling_id, edits_repository.pairs(session, labelling_id, pieces))
-    links = _in_order(merges_repository.links(session, labelling_id), pairs)
+    of_pairs = _of_tracks_that_are(session, labelling_id, pairs(session, labelling_id, pieces))
+    links = _in_order(merges_repository.links(session, labelling_id), of_pairs)
     tracks = _reachable(session, labelling_id, set(changed_tracks), links)
     ids = {track.track_id for track in tracks}
     links = [link for link in links if link.track_a in ids]
-    forbids = MayNotBeOne(session, labelling_id, tracks, pairs)
+    forbids = MayNotBeOne(session, labelling_id, tracks, of_pairs)
     graph = IdentityGraph(dict.fromkeys(ids, ""), forbids)  # one camera for all: the rule looks at cameras itself
     refused = _join(session, graph, links, forbids)
     before = {track.identity_id for track in tracks} | set(gone_identities)
@@ -151,18 +152,18 @@ def identity_values(
     }
 
 
-def _of_tracks_that_are(session: Session, labelling_id: int, pairs: Sequence[Pair]) -> list[Pair]:
+def _of_tracks_that_are(session: Session, labelling_id: int, said: Sequence[Pair]) -> list[Pair]:
     """The pairs of which no track was deleted."""
-    ids = {track for pair in pairs for track in (pair.track_a, pair.track_b)}
+    ids = {track for pair in said for track in (pair.track_a, pair.track_b)}
     there = {track.track_id for track in tracks_repository.tracks_with(session, labelling_id, ids)}
-    return [pair for pair in pairs if pair.track_a in there and pair.track_b in there]
+    return [pair for pair in said if pair.track_a in there and pair.track_b in there]
 
 
-def _in_order(merges: Sequence[Link], pairs: Iterable[Pair]) -> list[Link | Pair]:
+def _in_order(merges: Sequence[Link], said: Iterable[Pair]) -> list[Link | Pair]:
     """What makes tracks one object, the strongest first: a person's merges, a person's joins, the machine's merges."""
     by_person = [link for link in merges if link.decided_by == "person"]
     by_machine = [link for link in merges if link.decided_by != "person"]
-    return [*by_person, *(pair for pair in pairs if pair.kind is EffectKind.SAME), *by_machine]
+    return [*by_person, *(pair for pair in said if pair.kind is EffectKind.SAME), *by_machine]
 
 
 def _said(

@@ -3,10 +3,11 @@
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from sqlalchemy import insert, select, tuple_, update
+from sqlalchemy import func, insert, select, tuple_, update
 from sqlalchemy.orm import Session
 
 from app.merges.models import MergeRow
+from app.reviews.models import ReviewRow
 from app.tracks.repository import plain_rows
 
 
@@ -19,6 +20,16 @@ class Link(NamedTuple):
     score: float
     state: str
     decided_by: str
+
+
+class Rejection(NamedTuple):
+    """A person's word that two tracks are two objects, and the review that holds it."""
+
+    tracked_a: int
+    frame_a: int
+    tracked_b: int
+    frame_b: int
+    review_id: int
 
 
 class StoredMerge(NamedTuple):
@@ -117,15 +128,39 @@ def links(session: Session, labelling_id: int) -> list[Link]:
     return [Link._make(row) for row in plain_rows(session, query)]
 
 
+def rejections(session: Session, labelling_id: int) -> list[Rejection]:
+    """The merges that people rejected."""
+    review_id = func.max(ReviewRow.id)
+    query = (
+        select(MergeRow.tracked_a, MergeRow.frame_a, MergeRow.tracked_b, MergeRow.frame_b, review_id)
+        .join(ReviewRow, ReviewRow.merge_id == MergeRow.id)
+        .where(
+            MergeRow.labelling_id == labelling_id,
+            MergeRow.decided_by == "person",
+            MergeRow.state == "rejected",
+            ReviewRow.action == "reject",
+            ~ReviewRow.undone,
+        )
+        .group_by(MergeRow.id)
+        .order_by(review_id)
+    )
+    return [Rejection._make(row) for row in session.execute(query)]
+
+
 def accepted_pairs(
     session: Session, labelling_id: int, track_ids: Collection[int] | None = None
 ) -> list[tuple[int, int]]:
-    """The tracks of the merges that hold; of those between some tracks only, where these are named."""
-    query = select(MergeRow.track_a, MergeRow.track_b).where(
-        MergeRow.labelling_id == labelling_id,
-        MergeRow.state == "accepted",
-        MergeRow.track_a.is_not(None),
-        MergeRow.track_b.is_not(None),
+    """The tracks of the merges that hold, a person's first, by descending score; of those between some tracks only,
+    where these are named."""
+    query = (
+        select(MergeRow.track_a, MergeRow.track_b)
+        .where(
+            MergeRow.labelling_id == labelling_id,
+            MergeRow.state == "accepted",
+            MergeRow.track_a.is_not(None),
+            MergeRow.track_b.is_not(None),
+        )
+        .order_by(MergeRow.decided_by.desc(), MergeRow.score.desc(), MergeRow.id)
     )
     if track_ids is not None:
         query = query.where(MergeRow.track_a.in_(sorted(track_ids)))

@@ -8,9 +8,10 @@ from pydantic_core import to_json
 from app.db.session import Session
 from app.drives import repository as drives_repository
 from app.edits import repository as edits_repository
+from app.edits.pairs import pairs
 from app.edits.service import require_fresh
 from app.edits.types import EffectKind
-from app.errors import Conflict, NotFound
+from app.errors import CannotLink, Conflict, NotFound
 from app.identities.classes import require_one_class
 from app.identities.conflicts import require_one_object
 from app.identities.linking import relink
@@ -53,7 +54,8 @@ def accept_merge(session: Session, merge_id: int, *, reviewer: str, seen_revisio
 
 
 def reject_merge(session: Session, merge_id: int, *, reviewer: str, seen_revision: int | None = None) -> MergeChange:
-    """A person says that the two tracks are two objects."""
+    """A person says that the two tracks are two objects. Where other merges tie them, the machine's weakest ones give
+    way; CannotLink where people's own do."""
     merge = require_current(session, merge_id)
     return _decide(session, merge, ReviewAction.REJECT, MergeState.REJECTED, reviewer, seen_revision)
 
@@ -101,6 +103,12 @@ def _decide(
 def _apply(session: Session, merge: MergeRow) -> MergeChange:
     """Let identities and labels follow a changed merge."""
     relinked = relink(session, merge.labelling_id, tracks_of_merge(merge))
+    if relinked.refused:
+        first = relinked.refused[0]
+        raise CannotLink(
+            f"Tracks {merge.track_a} and {merge.track_b} are one object by what people decided: tracks {first.track_a} "
+            f"and {first.track_b} are one. Undo that decision first."
+        )
     drive = tracks_repository.drive_of_labelling(session, merge.labelling_id)
     drives_repository.raise_revision(session, drive.id)
     session.refresh(merge)
@@ -168,12 +176,12 @@ def tracks_of_merge(merge: MergeRow) -> tuple[int, int]:
 
 
 def _held_pairs(session: Session, labelling_id: int, track_ids: Collection[int] | None = None) -> list[tuple[int, int]]:
-    """What makes tracks one object now, of all or of some: merges, and what people joined."""
+    """What makes tracks one object now, of all or of some, the strongest first: what people joined, and merges."""
     pieces = edits_repository.pieces(session, labelling_id)
-    joined = [pair for pair in edits_repository.pairs(session, labelling_id, pieces) if pair.kind is EffectKind.SAME]
+    joined = [pair for pair in pairs(session, labelling_id, pieces) if pair.kind is EffectKind.SAME]
     return [
-        *repository.accepted_pairs(session, labelling_id, track_ids),
         *((pair.track_a, pair.track_b) for pair in joined),
+        *repository.accepted_pairs(session, labelling_id, track_ids),
     ]
 
 

@@ -33,7 +33,12 @@ PAIRS = [(a, b) for a, b, _, _ in MERGES]
 DOUBTED = tuple(replace(track, doubtful=(1,)) if track.track_id in (1, 2) else track for track in TRACKS)
 """Two boxes of the first identity keep their own labels."""
 
-VERBS = {"accept": service.accept_merge, "reject": service.reject_merge, "undo": service.undo_merge}
+VERBS = {
+    "accept": service.accept_merge,
+    "reject": service.reject_merge,
+    "unsure": service.leave_merge_open,
+    "undo": service.undo_merge,
+}
 RULES = st.sampled_from(
     [PropagationConfig(), PropagationConfig(rule="top-k", top_k=3), PropagationConfig(window_s=0.2)]
 )
@@ -84,6 +89,7 @@ def test_any_decisions(
             tracks = repository.tracks_of(session, labelling_id)
             labels = session.scalars(select(LabelRow)).all()
             identities = session.scalars(select(IdentityRow)).all()
+            rows = merges.list_by_score(session, labelling_id)
 
     # identities are the components of the accepted merges
     identity_of = {track.track_id: track.identity_id for track in tracks}
@@ -94,6 +100,11 @@ def test_any_decisions(
     for a, b in combinations(TRACKS, 2):
         if a.camera == b.camera and a.scores.keys() & b.scores.keys():
             assert identity_of[a.track_id] != identity_of[b.track_id]
+
+    # nor are two of which a person said so
+    for row in rows:
+        if row.decided_by == "person" and row.state == "rejected":
+            assert identity_of[row.tracks[0]] != identity_of[row.tracks[1]]
 
     # labels are those that the labeler gives to these identities
     expected, donors = _labels_of(identity_of, propagation)
@@ -154,7 +165,7 @@ def test_what_holds_depends_on_the_last_words_only(
             said = {row.tracks: row.state.removesuffix("ed") for row in rows if row.decided_by == "person"}
     with _labelled_store(three_camera_drive) as (store, labelling_id):
         for row in rows:  # what the machine merged stands in the way of what a person accepted later
-            _decide(store, labelling_id, "reject", row.tracks)
+            _decide(store, labelling_id, "unsure", row.tracks)
         for pair, verb in said.items():
             _decide(store, labelling_id, verb, pair)
         for row in rows:
