@@ -62,7 +62,7 @@ class Settings(BaseSettings):
         "there.",
     )
     identity: Literal["assignment", "baseline"] = Field(
-        default="baseline",
+        default="assignment",
         description="How tracks are merged: all evidence at once, or the paper's Algorithm 2 as it stands (baseline).",
     )
     propagation: Literal["highest", "top-k"] = Field(

@@ -75,7 +75,7 @@ Identity = Annotated[
     typer.Option(
         "--identity",
         help="How tracks are merged: all evidence at once (assignment), or the paper's Algorithm 2 as it stands "
-        "(baseline). (default: HINDSIGHT_IDENTITY, else baseline)",
+        "(baseline). (default: HINDSIGHT_IDENTITY, else assignment)",
         show_default=False,
     ),
 ]

@@ -9,8 +9,8 @@ from app.db.session import Session
 from app.drives import repository as drives_repository
 from app.edits import repository as edits_repository
 from app.edits.pairs import pairs
-from app.edits.service import require_fresh
-from app.edits.types import EffectKind
+from app.edits.service import require_fresh, require_held
+from app.edits.types import Effect, EffectKind, Place
 from app.errors import CannotLink, Conflict, NotFound
 from app.identities.classes import require_one_class
 from app.identities.conflicts import require_one_object
@@ -103,12 +103,13 @@ def _decide(
 def _apply(session: Session, merge: MergeRow) -> MergeChange:
     """Let identities and labels follow a changed merge."""
     relinked = relink(session, merge.labelling_id, tracks_of_merge(merge))
-    if relinked.refused:
+    if relinked.refused and merge.state == MergeState.REJECTED:
         first = relinked.refused[0]
         raise CannotLink(
             f"Tracks {merge.track_a} and {merge.track_b} are one object by what people decided: tracks {first.track_a} "
             f"and {first.track_b} are one. Undo that decision first."
         )
+    require_held(relinked)
     drive = tracks_repository.drive_of_labelling(session, merge.labelling_id)
     drives_repository.raise_revision(session, drive.id)
     session.refresh(merge)
@@ -164,7 +165,11 @@ def _require_fresh(session: Session, merge: MergeRow, seen_revision: int | None)
 
 def _require_linkable(session: Session, merge: MergeRow) -> None:
     track_a, track_b = tracks_of_merge(merge)
-    require_one_object(session, merge.labelling_id, (track_a, track_b))
+    lifted: list[Effect] = []
+    if merge.state == MergeState.REJECTED:  # the acceptance takes the rejection's place
+        places = Place(merge.tracked_a, merge.frame_a), Place(merge.tracked_b, merge.frame_b)
+        lifted.append(Effect(EffectKind.OPEN, places[0], other=places[1]))
+    require_one_object(session, merge.labelling_id, (track_a, track_b), lifted=lifted)
     require_one_class(session, merge.labelling_id, (track_a, track_b))
 
 

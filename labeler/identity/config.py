@@ -43,14 +43,13 @@ class Algorithm2Config:
 class IdentityConfig:
     """How tracks become identities. Plain values, to be hashed as JSON.
 
-    ``method``: ``assignment`` weighs all evidence of all pairs at once; ``baseline`` is the paper's Algorithm 2,
-    and the default until a person can tell two tracks apart that other merges tie together (docs/evaluation.md).
+    ``method``: ``assignment`` weighs all evidence of all pairs at once; ``baseline`` is the paper's Algorithm 2.
     ``accept_probability``: a merge that is at least so probable is made; ``propose_probability``: one that is at least
     so probable is proposed to a person. ``max_gap_s``: how long an object may be out of sight and still be found again.
     ``max_still_gap_s``: likewise for one that stands. ``best_frames``: how many frames of evidence a merge keeps.
     """
 
-    method: str = BASELINE
+    method: str = ASSIGNMENT
     accept_probability: float = 0.9
     propose_probability: float = 0.5
     max_gap_s: float = 6.0

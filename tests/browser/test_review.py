@@ -85,7 +85,7 @@ def _view(page: Page, camera: str) -> Locator:
 
 
 def _merge_card(page: Page) -> Locator:
-    return page.get_by_text(re.compile(r"^score ")).first
+    return page.get_by_text(re.compile(r" · \d+ labels?$")).first
 
 
 def _step_through_frames(page: Page, *, frames: int) -> None:

@@ -49,6 +49,13 @@ def test_the_weakest_merge_that_ties_them_gives_way(page: Page) -> None:
     assert page.everything() == before
 
 
+def test_changing_ones_mind(page: Page) -> None:
+    before = page.everything()
+    page.decide("reject", 1, 2)
+    assert page.decide("accept", 1, 2)["changed_label_count"] == 4
+    assert page.everything() == before
+
+
 def test_what_would_tie_them_again_is_refused(page: Page, editor: Editor) -> None:
     page.decide("reject", 1, 2)
     number = editor.log()["edits"][0]["id"]

@@ -9,6 +9,7 @@ import pytest
 
 from labeler.drive import open_drive
 from labeler.evaluation.merges import score_merges
+from labeler.identity.config import IdentityConfig
 from labeler.pipeline import Cancelled, LabelledDrive, LabelSettings, label_drive, open_executor
 from labeler.tracking import TrackingConfig
 
@@ -193,7 +194,9 @@ def test_without_lidar_places_are_guessed_from_heights_and_the_summary_says_so(
 def test_tri_scene_01_has_tracks_in_all_cameras_and_merges_that_agree_with_the_truth(
     tri_scene_01: Path, yolox_nano_dynamic: Path, tmp_path: Path
 ) -> None:
-    papers = LabelSettings(tracking=TrackingConfig(method="baseline"))  # the default merges one pair wrongly here
+    papers = LabelSettings(  # the default merges one pair wrongly here
+        tracking=TrackingConfig(method="baseline"), identity=IdentityConfig(method="baseline")
+    )
     result = _label(tri_scene_01, yolox_nano_dynamic, tmp_path, settings=papers)
     assert len(result.summary["cameras"]) == 3
     assert all(camera["tracks"] > 0 for camera in result.summary["cameras"].values())
