@@ -77,7 +77,7 @@ def test_a_card_shows_what_helps_to_answer_and_the_next_is_already_there(page: P
     expect(card.get_by_role("button", name="left, frame 6")).to_be_visible()
     # Three are fetched ahead: looks, and four pictures of which at least three differ.
     fetched = "part => performance.getEntriesByType('resource').filter(one => one.name.includes(part)).length"
-    page.wait_for_function(f"({fetched})('/looks') >= 4 && ({fetched})('max_width=720') >= 12")
+    page.wait_for_function(f"() => ({fetched})('/looks') >= 4 && ({fetched})('max_width=720') >= 12")
 
     page.keyboard.press("a")
     expect(card).to_have_accessible_name("Merge of tracks 12 and 112")
