@@ -13,11 +13,14 @@ from rich.table import Table
 
 from app.commands.options import AsJson
 from app.commands.terminal import TerminalProgress, say, show_table
+from app.settings import load_settings
+from labeler.models import choose_segmentation
 from labeler.training.detector_validation import DetectorReport
 from labeler.training.drive_plan import simulate_planned
 from labeler.training.errors import TrainingError
 from labeler.training.pictures import find_drives
-from labeler.training.recipes import DETECTOR, SEGMENTATION, Recipe
+from labeler.training.pillar_validation import PillarReport
+from labeler.training.recipes import DETECTOR, PILLARS, SEGMENTATION, UNPAINTED_PILLARS, Recipe
 from labeler.training.segmentation_validation import SegmentationReport
 from labeler.training.validation import validate_model
 
@@ -84,6 +87,39 @@ def segmentation(
 
 
 @train.command()
+def pillars(
+    run: RunFolder,
+    drives: Drives,
+    steps: Annotated[int, typer.Option(min=1, help="Steps in all.")] = PILLARS.steps,
+    seed: Seed = 1,
+    batch_size: BatchSize = 8,
+    workers: Workers = PILLARS.workers,
+    painter: Annotated[
+        str, typer.Option(help="The segmentation that paints the points: a name, or an .onnx file.")
+    ] = "sim-segmentation",
+    clouds: Annotated[
+        Path | None,
+        typer.Option(help="Folder to keep painted clouds in. (default: clouds, beside RUN)", show_default=False),
+    ] = None,
+    unpainted: Annotated[
+        bool, typer.Option("--unpainted", help="Leave out what the images say, to see what painting is worth.")
+    ] = False,
+) -> None:
+    """Train a network that finds vehicles in 3D, in LiDAR points painted by a segmentation, and write it into RUN."""
+    chosen = choose_segmentation(painter, load_settings().model_cache, simulated=True)
+    if chosen is None:
+        raise TrainingError("Points need a segmentation that paints them: --painter sim-segmentation, or a file.")
+    _require_torch()
+    runs = importlib.import_module("labeler.training.runs")
+    file: Path = runs.train_pillars(
+        UNPAINTED_PILLARS if unpainted else PILLARS, run, drives, painter=chosen.path,
+        clouds=clouds or run.absolute().parent / "clouds", steps=steps, seed=seed, batch_size=batch_size,
+        workers=workers, report=say,
+    )  # fmt: skip
+    _say_written(file)
+
+
+@train.command()
 def validate(
     model: Annotated[Path, typer.Argument(help="A model that was trained so (.onnx).", show_default=False)],
     drives: Drives,
@@ -97,26 +133,39 @@ def validate(
     if as_json:
         typer.echo(json.dumps(report.as_json()))
     else:
-        say(
-            f"{report.model}: {report.images} images of {', '.join(report.drives)}; "
-            f"{report.cpu_ms_per_image:.1f} ms of CPU an image, on one core"
-        )
+        say(f"{report.model}: {_amount(report)} on one core; {', '.join(report.drives)}")
         show_table(_table(report))
 
 
 def _train(
     recipe: Recipe, run: Path, drives: list[Path], *, steps: int, seed: int, batch_size: int, workers: int
 ) -> None:
-    if importlib.util.find_spec("torch") is None:
-        raise TrainingError("Training needs torch. Install it: pip install 'hindsight-labeler[training]'")
+    _require_torch()
     runs = importlib.import_module("labeler.training.runs")
     file: Path = runs.train_recipe(
         recipe, run, drives, steps=steps, seed=seed, batch_size=batch_size, workers=workers, report=say
     )
+    _say_written(file)
+
+
+def _require_torch() -> None:
+    if importlib.util.find_spec("torch") is None:
+        raise TrainingError("Training needs torch. Install it: pip install 'hindsight-labeler[training]'")
+
+
+def _say_written(file: Path) -> None:
     say(f"{file} is written. Measure it: hindsight train validate {file} --drives FOLDER")
 
 
-def _table(report: DetectorReport | SegmentationReport) -> Table:
+def _amount(report: DetectorReport | SegmentationReport | PillarReport) -> str:
+    if isinstance(report, PillarReport):
+        return f"{report.directions} camera directions, {report.cpu_ms_per_direction:.1f} ms of CPU each"
+    return f"{report.images} images, {report.cpu_ms_per_image:.1f} ms of CPU each"
+
+
+def _table(report: DetectorReport | SegmentationReport | PillarReport) -> Table:
+    if isinstance(report, PillarReport):
+        return _pillar_table(report)
     if isinstance(report, SegmentationReport):
         table = Table("class", "IoU", "share of pixels")
         for result in report.results:
@@ -131,6 +180,16 @@ def _table(report: DetectorReport | SegmentationReport) -> Table:
             scope.recall_at_confidence,
         )
         table.add_row(scope.name, str(scope.truth_count), *(_figure(figure) for figure in figures))
+    return table
+
+
+def _pillar_table(report: PillarReport) -> Table:
+    table = Table("vehicles", "count", "AP@.5 from above", "right class", "off", "within 1 std")
+    for scope in report.results:
+        off = "-" if scope.median_off_m is None else f"{scope.median_off_m:.2f} m"
+        shares = (scope.average_precision, scope.right_class, scope.within_deviation)
+        precision, right_class, within = (_figure(share) for share in shares)
+        table.add_row(scope.name, str(scope.truth_count), precision, right_class, off, within)
     return table
 
 

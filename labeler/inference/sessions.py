@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 from importlib import import_module
 from pathlib import Path
-from typing import Protocol, cast
+from typing import Any, Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,7 +46,7 @@ class _ModelMeta(Protocol):
 
 
 class _Session(Protocol):
-    def run(self, output_names: None, input_feed: Mapping[str, NDArray[np.float32]]) -> list[NDArray[np.float32]]: ...
+    def run(self, output_names: None, input_feed: Mapping[str, NDArray[Any]]) -> list[NDArray[np.float32]]: ...
     def get_inputs(self) -> Sequence[TensorInfo]: ...
     def get_outputs(self) -> Sequence[TensorInfo]: ...
     def get_providers(self) -> Sequence[str]: ...
@@ -87,7 +87,7 @@ class OpenSession:
         # DirectML alone forbids concurrent runs of one session (onnxruntime's page on that provider).
         self._one_at_a_time = threading.Lock() if "DmlExecutionProvider" in self.providers else None
 
-    def run(self, feeds: Mapping[str, NDArray[np.float32]]) -> list[NDArray[np.float32]]:
+    def run(self, feeds: Mapping[str, NDArray[Any]]) -> list[NDArray[np.float32]]:
         """All outputs for these inputs by name. Raises whatever onnxruntime raises."""
         if self._one_at_a_time is None:
             return self._session.run(None, feeds)

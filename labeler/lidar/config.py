@@ -45,7 +45,9 @@ DEFAULT_SPREAD = (0.3, 0.3, 0.3)
 class LidarConfig:
     """How points are painted, split into objects and boxed. Plain values, so that it can be hashed as JSON.
 
-    ``method`` names how boxes are made, see :mod:`labeler.lidar.makers`. ``min_detection_score``: weaker detections
+    ``method`` names how boxes are made, see :mod:`labeler.lidar.makers`. Of the method "pillars", ``network`` is the
+    network's file (None: the one that ships), boxes below ``min_network_score`` are left out, and ``fill`` has
+    detections that the network has no box for boxed without weights. ``min_detection_score``: weaker detections
     paint nothing. ``min_points``: fewer points give no box.
     ``margin``: how far around a box, as a share of its longer side, is looked for what reaches out of it.
     ``max_distance_m``: points farther from the ego origin in x or y are left out.
@@ -59,6 +61,9 @@ class LidarConfig:
     """
 
     method: str = "clusters"
+    network: str | None = None
+    min_network_score: float = 0.1
+    fill: bool = True
     min_detection_score: float = 0.1
     min_points: int = 4
     margin: float = 0.25

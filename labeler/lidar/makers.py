@@ -42,14 +42,17 @@ class BoxMaker(Protocol):
         ...
 
 
-_MAKERS = {"clusters": "labeler.lidar.cluster_boxes:ClusterBoxMaker"}
+_MAKERS = {
+    "clusters": "labeler.lidar.cluster_boxes:ClusterBoxMaker",
+    "pillars": "labeler.lidar.pillars.maker:PillarBoxMaker",
+}
 """Where each maker is: loaded when it is chosen."""
 
 
 def open_box_maker(config: LidarConfig, *, class_names: tuple[str, ...]) -> BoxMaker:
     """The maker that ``config.method`` names, for detections whose ``class_id`` counts in ``class_names``.
 
-    LidarError for a method that does not exist."""
+    LidarError for a method that does not exist, ModelError for a network that can't be used."""
     place = _MAKERS.get(config.method)
     if place is None:
         raise LidarError(f"There is no method {config.method!r} for 3D boxes. Choose one of: {', '.join(_MAKERS)}.")

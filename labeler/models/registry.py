@@ -23,6 +23,7 @@ class Task(StrEnum):
 
     DETECTION = "detection"
     SEGMENTATION = "segmentation"
+    BOXES = "boxes"
 
 
 @dataclass(frozen=True)

@@ -70,7 +70,7 @@ def load_pictures(drives: Sequence[Path]) -> list[Picture]:
     """All images of the drives. TrainingError when a drive can't be opened or has no true boxes."""
     pictures: list[Picture] = []
     for folder in drives:
-        pictures += pictures_of(_opened(folder))
+        pictures += pictures_of(opened(folder))
     return pictures
 
 
@@ -89,7 +89,8 @@ def pictures_of(drive: Drive) -> Iterator[Picture]:
             yield _picture(drive, file, boxes, rows)
 
 
-def _opened(folder: Path) -> Drive:
+def opened(folder: Path) -> Drive:
+    """Open a drive. TrainingError when that fails."""
     try:
         return open_drive(folder)
     except DriveError as error:

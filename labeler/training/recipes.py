@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from labeler.training.crops import CropConfig
 
@@ -10,7 +10,8 @@ from labeler.training.crops import CropConfig
 @dataclass(frozen=True)
 class Recipe:
     """A model by ``task``: its file's name, the examples it learns from, for how many ``steps``, at which rate, and
-    among how many ``workers`` its steps' examples are shared. The examples are dealt out to ``crops`` in turn."""
+    among how many ``workers`` its steps' examples are shared. The examples are dealt out to ``crops`` in turn; there
+    are none where windows of clouds are the examples."""
 
     task: str
     file_name: str
@@ -40,3 +41,13 @@ SEGMENTATION = Recipe(
     learning_rate=4e-3,
     workers=1,
 )
+PILLARS = Recipe(
+    task="pillars",
+    file_name="sim-pillars.onnx",
+    crops=(),
+    steps=8000,
+    learning_rate=2e-3,
+    workers=2,
+)
+UNPAINTED_PILLARS = replace(PILLARS, file_name="sim-pillars-unpainted.onnx")
+"""The same without what images say, to show what painting is worth."""

@@ -5,12 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from labeler.inference import CPU_PROVIDER
+from labeler.models import sha256_of
+from labeler.segmentation import open_segmenter
 from labeler.training.calibration import find_calibration, with_calibration
+from labeler.training.clouds import load_clouds
 from labeler.training.detector import DetectorTask
 from labeler.training.loop import Task, Trained, TrainingConfig, train
-from labeler.training.onnx_export import export_detector, export_segmentation, import_onnx
+from labeler.training.onnx_export import export_detector, export_pillars, export_segmentation, import_onnx
 from labeler.training.pictures import Picture, find_drives, load_pictures
-from labeler.training.recipes import DETECTOR, Recipe
+from labeler.training.pillar_network import PillarNetwork
+from labeler.training.pillar_task import PillarTask
+from labeler.training.recipes import DETECTOR, UNPAINTED_PILLARS, Recipe
 from labeler.training.segmenter import SegmentationTask
 from labeler.training.yolox_network import Yolox
 
@@ -55,6 +61,37 @@ def train_recipe(
         export_detector(_calibrated(trained.network, pictures, report), file, source=source)
     else:
         export_segmentation(trained.network, file, source=source)
+    return file
+
+
+def train_pillars(
+    recipe: Recipe,
+    folder: Path,
+    drives: Sequence[Path],
+    *,
+    painter: Path,
+    clouds: Path,
+    steps: int,
+    seed: int,
+    batch_size: int,
+    workers: int,
+    report: Callable[[str], None],
+) -> Path:
+    """Train the pillar network as :func:`train_recipe` does its models. ``painter`` is the segmentation that paints the
+    clouds, which are kept in the folder ``clouds``: several runs may share them."""
+    import_onnx()
+    config = TrainingConfig(
+        seed=seed, steps=steps, batch_size=batch_size, workers=workers, learning_rate=recipe.learning_rate
+    )
+    found = find_drives(drives)
+    segmenter = open_segmenter(painter, providers=(CPU_PROVIDER,))
+    sweeps = load_clouds(found, segmenter, clouds, painter=sha256_of(painter), report=report)
+    report(f"{len(sweeps)} camera directions, {sum(int(sweep.asked.sum()) for sweep in sweeps)} vehicles")
+    painted = recipe is not UNPAINTED_PILLARS
+    trained = train(PillarTask(sweeps, [drive.name for drive in found], painted=painted), config, folder, report=report)
+    file = folder / recipe.file_name
+    assert isinstance(trained.network, PillarNetwork)
+    export_pillars(trained.network, file, source=source_of(recipe, config, trained))
     return file
 
 

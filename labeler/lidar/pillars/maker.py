@@ -1,0 +1,145 @@
+"""3D boxes by the pillar network, direction by direction; the method "pillars".
+
+A detection that the network has no box for (too far, too few points, a class that it was not taught) is boxed without
+weights, of the points that lie in no box of the network; so is a camera without a segmentation, where the network takes
+painted points.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from labeler.lidar.cluster_boxes import ClusterBoxMaker
+from labeler.lidar.config import LidarConfig
+from labeler.lidar.makers import CameraInput, LidarError
+from labeler.lidar.pillars.association import associate
+from labeler.lidar.pillars.decode import PillarBoxes
+from labeler.lidar.pillars.direction import Direction, direction_cloud
+from labeler.lidar.pillars.network import PillarModel
+from labeler.lidar.scene import Scene
+from labeler.lidar.types import Boxes3D, BoxSource
+from labeler.models import SHIPPED, Task
+
+_NEAR_BOX_M = 0.15
+
+
+class PillarBoxMaker:
+    """The method "pillars"."""
+
+    def __init__(self, config: LidarConfig, *, class_names: tuple[str, ...]) -> None:
+        """``config.network`` is the network's file, None for the one that ships. ModelError when it can't be used."""
+        self._config = config
+        self._model = _opened(Path(config.network) if config.network else shipped_network())
+        self._class_names = class_names
+        known = {name: number for number, name in enumerate(class_names)}
+        self._class_of = np.array([known.get(name, -1) for name in self._model.class_names], np.int16)
+        self._without_weights = ClusterBoxMaker(config, class_names=class_names)
+
+    def boxes(self, scene: Scene, cameras: Mapping[str, CameraInput]) -> dict[str, Boxes3D]:
+        """As :class:`labeler.lidar.makers.BoxMaker` has it."""
+        found = {name: self._of_direction(scene, camera) for name, camera in cameras.items()}
+        if not self._config.fill:
+            return {name: boxes for name, (boxes, _) in found.items()}
+        boxed = np.concatenate([np.zeros(0, np.intp), *(rows for _, rows in found.values())])
+        left = {
+            name: np.setdiff1d(np.arange(len(camera.detections)), found[name][0].detection_index)
+            for name, camera in cameras.items()
+        }
+        rest = self._without_weights.boxes(
+            replace(scene, clear=np.setdiff1d(scene.clear, boxed)),
+            {name: replace(camera, detections=camera.detections[left[name]]) for name, camera in cameras.items()},
+        )
+        return {name: _joined(found[name][0], rest[name], left[name]) for name in cameras}
+
+    def _of_direction(self, scene: Scene, camera: CameraInput) -> tuple[Boxes3D, NDArray[np.intp]]:
+        """The boxes of a direction that belong to a detection, and the rows of the scene that lie in them."""
+        nothing = Boxes3D.empty(), np.zeros(0, np.intp)
+        if not len(camera.detections) or not len(scene.clear) or (self._model.painted and camera.scores is None):
+            return nothing
+        cloud, rows = direction_cloud(scene, camera.view, camera.scores, self._config)
+        found = self._model.find(cloud, min_score=self._config.min_network_score)
+        if not len(found):
+            return nothing
+        held = _held(cloud, found)
+        direction = Direction.of(camera.view)
+        xy_m, yaw_rad = direction.to_ego(found.center_m[:, :2]), found.yaw_rad + direction.yaw_rad
+        center_m = np.concatenate([xy_m, found.center_m[:, 2:] + scene.ground.at(xy_m)[:, None]], axis=1)
+        points_m = [scene.xyz_m[rows[inside]] for inside in held]
+        detection, _ = associate(center_m, found.size_m, yaw_rad, points_m, camera.detections.xyxy_px, camera.view)
+        chosen = np.flatnonzero(detection >= 0)
+        chosen = chosen[np.argsort(detection[chosen], kind="stable")]
+        of_class = self._class_of[found.class_index[chosen]]
+        boxes = Boxes3D(
+            center_m=center_m[chosen].astype(np.float32),
+            size_m=found.size_m[chosen].astype(np.float32),
+            yaw_rad=((yaw_rad[chosen] + np.pi) % (2 * np.pi) - np.pi).astype(np.float32),
+            score=found.score[chosen].astype(np.float32),
+            class_id=np.where(of_class >= 0, of_class, camera.detections.class_id[detection[chosen]]).astype(np.int16),
+            num_points=np.array([len(held[row]) for row in chosen], np.int32),
+            detection_index=detection[chosen].astype(np.int32),
+            source=np.full(len(chosen), BoxSource.PILLARS, np.int8),
+            center_std_m=found.std[chosen, :2].astype(np.float32),
+            yaw_std_rad=found.std[chosen, 2].astype(np.float32),
+            seen_m=np.array([_extent(cloud[held[row]], found, row) for row in chosen], np.float32).reshape(-1, 4),
+            offset_s=np.array([scene.offset_s[rows[held[row]]].mean() for row in chosen], np.float32),
+        )
+        inside = [rows[held[row]] for row in chosen]
+        return boxes, np.concatenate([np.zeros(0, np.intp), *inside])
+
+
+def shipped_network() -> Path:
+    """The pillar network that ships. LidarError where none does."""
+    for model in SHIPPED:
+        if model.task is Task.BOXES:
+            return model.path
+    raise LidarError("No pillar network ships with this version. Name a file: hindsight train pillars makes one.")
+
+
+@cache
+def _opened(path: Path) -> PillarModel:
+    """Opening takes longer than a clip of frames."""
+    return PillarModel(path)
+
+
+def _held(cloud: NDArray[np.float32], boxes: PillarBoxes) -> list[NDArray[np.intp]]:
+    """The rows of the cloud in each box, or within a hand's breadth of it."""
+    order = np.argsort(cloud[:, 0], kind="stable")
+    x_m = cloud[order, 0]
+    held: list[NDArray[np.intp]] = []
+    for row in range(len(boxes)):
+        half_m = boxes.size_m[row] / 2 + _NEAR_BOX_M
+        reach_m = float(np.hypot(half_m[0], half_m[1]))
+        low, high = np.searchsorted(x_m, boxes.center_m[row, 0] + np.array([-reach_m, reach_m]))
+        near = order[low:high]
+        along_m, across_m = _in_box_axes(cloud[near, :2], boxes, row)
+        inside = (np.abs(along_m) <= half_m[0]) & (np.abs(across_m) <= half_m[1])
+        inside &= np.abs(cloud[near, 2] - boxes.center_m[row, 2]) <= half_m[2]
+        held.append(near[inside])
+    return held
+
+
+def _in_box_axes(
+    xy_m: NDArray[np.float32], boxes: PillarBoxes, row: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    off_m = xy_m - boxes.center_m[row, :2]
+    cos, sin = np.cos(boxes.yaw_rad[row]), np.sin(boxes.yaw_rad[row])
+    return cos * off_m[:, 0] + sin * off_m[:, 1], cos * off_m[:, 1] - sin * off_m[:, 0]
+
+
+def _extent(cloud: NDArray[np.float32], boxes: PillarBoxes, row: int) -> list[float]:
+    """How far the points reach from the centre in the box's axes: lowest along and across, highest along and across."""
+    along_m, across_m = _in_box_axes(cloud[:, :2], boxes, row)
+    return [float(along_m.min()), float(across_m.min()), float(along_m.max()), float(across_m.max())]
+
+
+def _joined(own: Boxes3D, rest: Boxes3D, left: NDArray[np.intp]) -> Boxes3D:
+    """The network's boxes and those of the detections that were ``left``, in order of the detections."""
+    rest = replace(rest, detection_index=left[rest.detection_index].astype(np.int32))
+    boxes = Boxes3D.concatenate([own, rest])
+    return boxes[np.argsort(boxes.detection_index, kind="stable")]
