@@ -4,7 +4,7 @@ from pathlib import Path
 
 from app.settings import Settings
 from labeler.drive import is_simulated
-from labeler.models import Choice, Origin, Task, available, choose_detector, choose_segmentation
+from labeler.models import Choice, Origin, Task, available, choose_boxes, choose_detector, choose_segmentation
 
 
 def chosen_detector(settings: Settings) -> Choice:
@@ -26,4 +26,12 @@ def segmentation_file(settings: Settings, drive: Path) -> Path | None:
 
     ModelStoreError where the setting names one that is not there."""
     chosen = choose_segmentation(settings.segmentation, settings.model_cache, simulated=is_simulated(drive))
+    return chosen.path if chosen else None
+
+
+def boxes_file(settings: Settings) -> Path | None:
+    """The pillar network that makes 3D boxes, None for those that need no weights.
+
+    ModelStoreError where the setting names one that is not there."""
+    chosen = choose_boxes(settings.boxes, settings.model_cache)
     return chosen.path if chosen else None

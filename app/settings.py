@@ -55,6 +55,11 @@ class Settings(BaseSettings):
         description="Model that images are segmented with to paint LiDAR points: a file (.onnx), a name, or `none`. "
         "Without it: the one that ships, on simulated drives.",
     )
+    boxes: str | None = Field(
+        default=None,
+        description="What makes 3D boxes of LiDAR points: a pillar network, by file (.onnx) or name, or `clusters`, "
+        "which needs no weights. Without it: `clusters`.",
+    )
     models: Path = Field(default_factory=default_models, description="Folder that pulled and added models lie in.")
     model_mirror: str | None = Field(
         default=None,

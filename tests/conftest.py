@@ -15,7 +15,7 @@ def models_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """An empty folder of models, in place of the one that this machine's user may have filled."""
     folder = tmp_path_factory.mktemp("models cache")
     os.environ["HINDSIGHT_MODELS"] = str(folder)
-    for name in ("HINDSIGHT_MODEL", "HINDSIGHT_SEGMENTATION", "HINDSIGHT_MODEL_MIRROR"):
+    for name in ("HINDSIGHT_MODEL", "HINDSIGHT_SEGMENTATION", "HINDSIGHT_BOXES", "HINDSIGHT_MODEL_MIRROR"):
         os.environ.pop(name, None)
     return folder
 

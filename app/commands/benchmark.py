@@ -3,7 +3,8 @@
 import json
 import tempfile
 import time
-from dataclasses import asdict
+from collections.abc import Mapping
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Annotated
 
@@ -14,20 +15,23 @@ from app.commands.evaluate import evaluate_drive, share
 from app.commands.label import label_settings, store_labels
 from app.commands.options import AsJson, DriveFolder, InputSize, ModelName, SceneName
 from app.commands.terminal import TerminalProgress, say, show_table
-from app.model_choice import chosen_detector
-from app.settings import load_settings
+from app.model_choice import chosen_detector, segmentation_file
+from app.settings import Settings, load_settings
 from labeler.detection import open_detector
 from labeler.drive import open_drive, open_truth
 from labeler.evaluation.benchmark_merges import MergeBenchmark, benchmark_merges
 from labeler.evaluation.boxes_3d import BoxReport
-from labeler.evaluation.boxes_3d_cases import BoxFinder, judge_boxes
+from labeler.evaluation.boxes_3d_cases import Seen, find_boxes, judge_makers
 from labeler.evaluation.label_benchmark import benchmark_labels
 from labeler.evaluation.made_observations import Noise, scene_of
 from labeler.evaluation.made_up import MadeUp, made_up_labels, write_made_up_drive
 from labeler.evaluation.tracker_benchmark import OBJECTS, TrackerTimes, benchmark_trackers
 from labeler.evaluation.types import EvaluationConfig
+from labeler.lidar import LidarConfig
+from labeler.models import WITHOUT_WEIGHTS, Origin, Task, available, choose_boxes
 from labeler.pipeline import SilentProgress
 from labeler.pipeline.benchmark import benchmark_pipeline, repeat_frames
+from labeler.segmentation import open_segmenter
 
 benchmark = typer.Typer(help="Measure on this machine.", no_args_is_help=True)
 
@@ -69,26 +73,72 @@ def boxes(
         str | None,
         typer.Option("--model", "-m", help="Box what this model detects, not the true 2D boxes.", show_default=False),
     ] = None,
+    makers: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--boxes", "-b",
+            help="What makes the boxes: clusters, or a pillar network by name or file; may be given several times. "
+            "(default: clusters, and the network that ships)",
+            show_default=False,
+        ),
+    ] = None,
     scene: SceneName = None,
     input_size: InputSize = None,
     as_json: AsJson = False,
-) -> None:
+) -> None:  # fmt: skip
     """Compare the 3D boxes of each camera direction with a drive's 3D truth, and time the LiDAR step."""
-    settings = label_settings(load_settings(), input_size)
+    settings = load_settings()
+    chosen = label_settings(settings, input_size)
     recorded = open_drive(drive, scene=scene)
-    file = None if model is None else chosen_detector(load_settings(model=model)).path
-    detector = None if file is None else open_detector(file, settings.detection)
+    detector = (
+        None if model is None else open_detector(chosen_detector(load_settings(model=model)).path, chosen.detection)
+    )
+    segmentation = segmentation_file(settings, recorded.root)
+    segmenter = None if segmentation is None else open_segmenter(segmentation)
+    configs = {name: _maker(name, settings, chosen.lidar) for name in makers or _default_makers(settings)}
     with TerminalProgress() as progress:
         progress.stage("Boxing in 3D", len(recorded.frames))
-        finder = BoxFinder.of(recorded, settings.lidar, detector)
-        report = judge_boxes(recorded, finder, progress=progress.advance)
+        reports = judge_makers(
+            recorded,
+            {name: find_boxes(recorded, config, detector) for name, config in configs.items()},
+            Seen.by(recorded, detector, segmenter),
+            progress=progress.advance,
+        )
     if as_json:
-        typer.echo(json.dumps(asdict(report)))
+        typer.echo(json.dumps({"makers": [{"maker": name, **asdict(report)} for name, report in reports.items()]}))
         return
-    _print_boxes(report)
+    for name, report in reports.items():
+        _print_boxes(name, report)
+    if len(reports) > 1:
+        _print_makers(reports)
 
 
-def _print_boxes(report: BoxReport) -> None:
+def _maker(named: str, settings: Settings, config: LidarConfig) -> LidarConfig:
+    """The LiDAR step with that maker. ModelStoreError for a name that no pillar network has."""
+    network = choose_boxes(named, settings.model_cache)
+    return config if network is None else replace(config, method="pillars", network=str(network.path))
+
+
+def _default_makers(settings: Settings) -> list[str]:
+    """The boxes that need no weights, and the networks that ship."""
+    networks = available(Task.BOXES, settings.model_cache)
+    return [WITHOUT_WEIGHTS, *(choice.name for choice in networks if choice.origin is Origin.SHIPPED)]
+
+
+def _print_makers(reports: Mapping[str, BoxReport]) -> None:
+    table = Table(title="vehicles with at least 20 points, within 40 m; AP@.5 within 50 m", title_justify="left")
+    for heading in ("maker", "cases", "boxed", "off", "p90", "IoU>=.5", "AP@.5", "ms a frame"):
+        table.add_column(heading, justify="left" if heading == "maker" else "right")
+    for name, report in reports.items():
+        score = report.overall
+        off = (_metres(score.median_error_m), _metres(score.p90_error_m))
+        found = (share(score.good), share(report.average_precision), f"{report.cpu_ms_per_frame:.0f}")
+        table.add_row(name, str(score.cases), share(score.boxed), *off, *found)
+    show_table(table)
+
+
+def _print_boxes(name: str, report: BoxReport) -> None:
+    typer.echo(f"3D boxes by {name}")
     typer.echo(f"{'true objects in images':34}{'cases':>6}{'boxed':>7}{'off':>9}{'p90':>9}{'yaw':>8}{'IoU>=.5':>9}")
     for score in (report.overall, *report.groups):
         typer.echo(

@@ -26,7 +26,7 @@ from app.db.engine import migrate, open_engine
 from app.db.session import Store
 from app.drives import service as drives_service
 from app.drives.schemas import DriveRegistration
-from app.model_choice import chosen_detector, segmentation_file
+from app.model_choice import boxes_file, chosen_detector, segmentation_file
 from app.settings import Settings, load_settings
 from app.tracks.importing import import_labelled_drive
 from labeler.detection import DetectionConfig
@@ -104,6 +104,7 @@ def label_into_store(
             recorded,
             model=detector.path,
             segmentation=segmentation,
+            boxes=boxes_file(settings),
             workspace=settings.workspace,
             settings=label_settings(settings, input_size, tracker),
             executor=executor,

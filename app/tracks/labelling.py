@@ -4,7 +4,7 @@ from pathlib import Path
 
 from app.drives.service import open_stored_drive, require_drive
 from app.jobs.worker import JobContext
-from app.model_choice import segmentation_file
+from app.model_choice import boxes_file, segmentation_file
 from app.tracks.importing import import_labelled_drive
 from labeler.errors import HindsightError
 from labeler.identity import IdentityConfig
@@ -25,6 +25,7 @@ def run_label_job(context: JobContext) -> str | None:
         drive,
         model=model,
         segmentation=segmentation,
+        boxes=boxes_file(context.settings),
         workspace=context.settings.workspace,
         settings=LabelSettings(
             identity=IdentityConfig(method=context.settings.identity),

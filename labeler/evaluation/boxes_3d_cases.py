@@ -9,7 +9,6 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +16,7 @@ from scipy.optimize import linear_sum_assignment
 
 from labeler.detection.types import Detections, Detector
 from labeler.drive import Drive, Frame, read_image
-from labeler.drive.types import Sweep, Truth, TruthBoxes2D, TruthBoxes3D
+from labeler.drive.types import Camera, Sweep, Truth, TruthBoxes2D, TruthBoxes3D
 from labeler.evaluation.boxes_3d import (
     AP_MAX_DISTANCE_M,
     AP_MIN_POINTS,
@@ -31,8 +30,9 @@ from labeler.evaluation.categories import CLASSES, class_of_category
 from labeler.evaluation.types import EvaluationError
 from labeler.geometry.boxes_2d import iou_matrix
 from labeler.geometry.boxes_3d import iou_3d
-from labeler.lidar import Boxes3D, CameraInput, LidarConfig, View, open_box_maker, prepare_scene
+from labeler.lidar import Boxes3D, CameraInput, LidarConfig, PixelScores, View, open_box_maker, prepare_scene
 from labeler.pipeline.lidar_units import lidar_frame
+from labeler.segmentation import Segmenter
 
 _MIN_PIXELS = 30
 _MIN_IOU = 0.5
@@ -40,8 +40,8 @@ _TRUE_SCORE = 0.9
 _BORDER_PX = 2.0
 _NEAR_BOX_M = 0.1
 
-FindBoxes = Callable[[Frame, Sweep, Mapping[str, Detections]], Mapping[str, Boxes3D]]
-"""The LiDAR step of one frame: boxes of each camera from the frame's sweep and its detections."""
+FindBoxes = Callable[[Frame, Sweep, Mapping[str, Detections], Mapping[str, PixelScores]], Mapping[str, Boxes3D]]
+"""The LiDAR step of one frame: boxes of each camera from the frame's sweep, its detections and segmentations."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,76 +63,118 @@ class TrueObjects:
 
 
 @dataclass(frozen=True)
-class BoxFinder:
-    """What is judged. ``detections`` gives those of one image of a frame, None stands for the true ones (whose classes
-    are :data:`labeler.evaluation.categories.CLASSES`); ``boxes`` is the LiDAR step of one frame."""
+class Seen:
+    """What the images say. ``detections`` gives those of one image of a frame, None stands for the true ones (whose
+    classes are :data:`labeler.evaluation.categories.CLASSES`); ``scores`` its segmentation, None where there is none.
+    """
 
-    detections: Callable[[Frame, str], Detections] | None
-    boxes: FindBoxes
+    detections: Callable[[Frame, str], Detections] | None = None
+    scores: Callable[[Frame, str], PixelScores] | None = None
 
     @staticmethod
-    def of(drive: Drive, config: LidarConfig, detector: Detector | None) -> BoxFinder:
-        """The pipeline's LiDAR step, on what ``detector`` finds in the images, or on the true detections."""
-        maker = open_box_maker(config, class_names=CLASSES if detector is None else detector.class_names)
+    def by(drive: Drive, detector: Detector | None, segmenter: Segmenter | None) -> Seen:
+        """What a detector and a segmentation say of a drive's images."""
 
-        def boxes(frame: Frame, sweep: Sweep, found: Mapping[str, Detections]) -> Mapping[str, Boxes3D]:
-            motion = lidar_frame(frame, frame.sweep, drive.poses).image_ego_SE3_frame_ego
-            cameras = {
-                name: CameraInput(View.of(drive.camera(name), motion[name]), detections)
-                for name, detections in found.items()
-            }
-            return maker.boxes(prepare_scene(sweep, config), cameras)
+        def detect(frame: Frame, camera: str) -> Detections:
+            assert detector is not None
+            return detector.detect([read_image(frame.images[camera], drive.camera(camera))])[0]
 
-        return BoxFinder(None if detector is None else partial(_detect, detector), boxes)
+        def segment(frame: Frame, camera: str) -> PixelScores:
+            assert segmenter is not None
+            return segmenter.segment(read_image(frame.images[camera], drive.camera(camera)))
 
-
-def _detect(detector: Detector, frame: Frame, camera: str) -> Detections:
-    return detector.detect([read_image(frame.images[camera])])[0]
+        return Seen(None if detector is None else detect, None if segmenter is None else segment)
 
 
-def judge_boxes(drive: Drive, finder: BoxFinder, *, progress: Callable[[], None] = lambda: None) -> BoxReport:
-    """Run the LiDAR step over every frame with a sweep and judge its boxes. ``progress`` is called after each frame.
+def find_boxes(drive: Drive, config: LidarConfig, detector: Detector | None) -> FindBoxes:
+    """The pipeline's LiDAR step by the maker that ``config`` names, on detections of ``detector``, or true ones."""
+    maker = open_box_maker(config, class_names=CLASSES if detector is None else detector.class_names)
+
+    def boxes(
+        frame: Frame, sweep: Sweep, found: Mapping[str, Detections], scores: Mapping[str, PixelScores]
+    ) -> Mapping[str, Boxes3D]:
+        motion = lidar_frame(frame, frame.sweep, drive.poses).image_ego_SE3_frame_ego
+        cameras = {
+            name: CameraInput(View.of(drive.camera(name), motion[name]), detections, scores.get(name))
+            for name, detections in found.items()
+        }
+        return maker.boxes(prepare_scene(sweep, config), cameras)
+
+    return boxes
+
+
+def judge_makers(
+    drive: Drive, makers: Mapping[str, FindBoxes], seen: Seen, *, progress: Callable[[], None] = lambda: None
+) -> dict[str, BoxReport]:
+    """Run the LiDAR step by every maker over every frame with a sweep, and judge its boxes. All see the same.
+    ``progress`` is called after each frame.
 
     EvaluationError where the drive has no 3D truth, no true boxes in images, or no sweeps with calibrated cameras.
     """
-    truth = _require_truth(drive)
-    images = _images_of(truth)
-    cameras = [camera.name for camera in drive.cameras if camera.calibration is not None]
-    sizes_px = {camera.name: (camera.width_px, camera.height_px) for camera in drive.cameras}
-    parts: list[BoxCases] = []
-    scores: list[NDArray[np.float32]] = []
-    hits: list[NDArray[np.bool_]] = []
-    truth_count, frames, seconds = 0, 0, 0.0
+    images = _images_of(_require_truth(drive))
+    cameras = [camera for camera in drive.cameras if camera.calibration is not None]
+    judges = {name: _Judge(cameras, exact=seen.detections is None) for name in makers}
     for frame in drive.frames:
         if frame.sweep is None:
             continue
-        objects = {name: images.get((frame.index, name), _no_objects()) for name in cameras if name in frame.images}
-        if finder.detections is None:
+        names = [camera.name for camera in cameras if camera.name in frame.images]
+        objects = {name: images.get((frame.index, name), _no_objects()) for name in names}
+        if seen.detections is None:
             found = {name: _true_detections(true) for name, true in objects.items()}
         else:
-            found = {name: finder.detections(frame, name) for name in objects}
+            found = {name: seen.detections(frame, name) for name in objects}
+        scores = {} if seen.scores is None else {name: seen.scores(frame, name) for name in names}
         sweep = drive.read_sweep(frame.sweep)
-        begin = time.process_time()
-        boxes = finder.boxes(frame, sweep, found)
-        seconds += time.process_time() - begin
-        frames += 1
-        for name, true in objects.items():
-            points = _points_in(true, sweep.xyz_m)
-            own = boxes.get(name, Boxes3D.empty())
-            detection = _detection_of(true, found[name], exact=finder.detections is None)
-            parts.append(_cases(frame.index, cameras.index(name), true, points, detection, own, sizes_px[name]))
-            counted = true.shown & (points >= AP_MIN_POINTS) & (np.hypot(*true.center_m[:, :2].T) <= AP_MAX_DISTANCE_M)
-            score, is_hit = _ranked(own, true, counted)
-            scores.append(score)
-            hits.append(is_hit)
-            truth_count += int(counted.sum())
+        points = {name: _points_in(true, sweep.xyz_m) for name, true in objects.items()}
+        for name, boxes_of in makers.items():
+            begin = time.process_time()
+            boxes = boxes_of(frame, sweep, found, scores)
+            judges[name].add(frame.index, boxes, objects, points, found, seconds=time.process_time() - begin)
         progress()
-    if not parts:
+    if not all(judge.parts for judge in judges.values()):
         raise EvaluationError(
             f"{drive.root} has no LiDAR sweep beside an image of a calibrated camera: nothing to box."
         )
-    ranked = RankedBoxes(np.concatenate(scores), np.concatenate(hits), truth_count)
-    return report_boxes(_joined(parts), ranked, frames=frames, cpu_ms_per_frame=1000 * seconds / frames)
+    return {name: judge.report() for name, judge in judges.items()}
+
+
+class _Judge:
+    """Gathers, frame by frame, what the boxes of one maker are worth."""
+
+    def __init__(self, cameras: Sequence[Camera], *, exact: bool) -> None:
+        """``exact``: detections are the true ones, in the order of the objects that are shown."""
+        self._sizes_px = {camera.name: (camera.width_px, camera.height_px) for camera in cameras}
+        self._exact = exact
+        self.parts: list[BoxCases] = []
+        self._scores: list[NDArray[np.float32]] = []
+        self._hits: list[NDArray[np.bool_]] = []
+        self._truth_count, self._frames, self._seconds = 0, 0, 0.0
+
+    def add(
+        self, frame_index: int, boxes: Mapping[str, Boxes3D], objects: Mapping[str, TrueObjects],
+        points: Mapping[str, NDArray[np.int32]], found: Mapping[str, Detections], *, seconds: float,
+    ) -> None:  # fmt: skip
+        """The boxes of a frame, beside the true objects in its images and the LiDAR ``points`` on each."""
+        self._frames += 1
+        self._seconds += seconds
+        numbers = {name: number for number, name in enumerate(self._sizes_px)}
+        for name, true in objects.items():
+            own = boxes.get(name, Boxes3D.empty())
+            detection = _detection_of(true, found[name], exact=self._exact)
+            self.parts.append(
+                _cases(frame_index, numbers[name], true, points[name], detection, own, self._sizes_px[name])
+            )
+            near = np.hypot(*true.center_m[:, :2].T) <= AP_MAX_DISTANCE_M
+            counted = true.shown & (points[name] >= AP_MIN_POINTS) & near
+            score, is_hit = _ranked(own, true, counted)
+            self._scores.append(score)
+            self._hits.append(is_hit)
+            self._truth_count += int(counted.sum())
+
+    def report(self) -> BoxReport:
+        ranked = RankedBoxes(np.concatenate(self._scores), np.concatenate(self._hits), self._truth_count)
+        cpu_ms = 1000 * self._seconds / self._frames
+        return report_boxes(_joined(self.parts), ranked, frames=self._frames, cpu_ms_per_frame=cpu_ms)
 
 
 def _require_truth(drive: Drive) -> Truth:

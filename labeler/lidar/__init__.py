@@ -6,7 +6,7 @@ One frame goes through :func:`prepare_scene`, a :class:`BoxMaker` and :func:`fin
 from labeler.lidar.agreement import Agreement, calibration_warnings, measure_agreement
 from labeler.lidar.config import LidarConfig, usual_sizes_m
 from labeler.lidar.ground import Ground, above_ground, estimate_ground
-from labeler.lidar.makers import BoxMaker, CameraInput, LidarError, open_box_maker
+from labeler.lidar.makers import BoxMaker, CameraInput, LidarError, open_box_maker, takes_paint
 from labeler.lidar.over_time import refine_track_boxes
 from labeler.lidar.painting import PaintedCloud, PaintedPoints, PixelScores, View, paint_cloud, paint_points
 from labeler.lidar.positions import find_positions
@@ -39,5 +39,6 @@ __all__ = [
     "paint_points",
     "prepare_scene",
     "refine_track_boxes",
+    "takes_paint",
     "usual_sizes_m",
 ]

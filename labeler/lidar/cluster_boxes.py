@@ -18,7 +18,9 @@ from labeler.lidar.types import Boxes3D
 
 
 class ClusterBoxMaker:
-    """The method "clusters": needs no weights."""
+    """The method "clusters": needs no weights, and no segmentation, though one helps."""
+
+    takes_paint = False
 
     def __init__(self, config: LidarConfig, *, class_names: tuple[str, ...]) -> None:
         self._config = config

@@ -35,7 +35,10 @@ class CameraInput:
 
 
 class BoxMaker(Protocol):
-    """Makes the 3D boxes of each camera direction of one frame."""
+    """Makes the 3D boxes of each camera direction of one frame. ``takes_paint``: it needs a segmentation."""
+
+    @property
+    def takes_paint(self) -> bool: ...
 
     def boxes(self, scene: Scene, cameras: Mapping[str, CameraInput]) -> dict[str, Boxes3D]:
         """The boxes of every camera by name, in order of its detections, at most one for each."""
@@ -47,6 +50,13 @@ _MAKERS = {
     "pillars": "labeler.lidar.pillars.maker:PillarBoxMaker",
 }
 """Where each maker is: loaded when it is chosen."""
+
+
+def takes_paint(config: LidarConfig) -> bool:
+    """Whether the maker needs a segmentation, without which it has no boxes of its own. LidarError or ModelError when
+    it can't be used."""
+    maker = open_box_maker(config, class_names=())
+    return maker.takes_paint
 
 
 def open_box_maker(config: LidarConfig, *, class_names: tuple[str, ...]) -> BoxMaker:

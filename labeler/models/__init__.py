@@ -3,9 +3,11 @@
 from labeler.models.cache import ModelCache, Record, sha256_of
 from labeler.models.choice import (
     NO_SEGMENTATION,
+    WITHOUT_WEIGHTS,
     Choice,
     Origin,
     available,
+    choose_boxes,
     choose_detector,
     choose_named,
     choose_segmentation,
@@ -22,6 +24,7 @@ __all__ = [
     "NO_SEGMENTATION",
     "OFFICIAL",
     "SHIPPED",
+    "WITHOUT_WEIGHTS",
     "Choice",
     "ModelCache",
     "ModelStoreError",
@@ -35,6 +38,7 @@ __all__ = [
     "Task",
     "Verdict",
     "available",
+    "choose_boxes",
     "choose_detector",
     "choose_named",
     "choose_segmentation",

@@ -14,6 +14,8 @@ from labeler.models.errors import ModelStoreError
 from labeler.models.registry import OFFICIAL, SHIPPED, Task, registered_names
 
 NO_SEGMENTATION = "none"
+WITHOUT_WEIGHTS = "clusters"
+"""3D boxes that need no network, by name."""
 
 
 class Origin(StrEnum):
@@ -75,6 +77,14 @@ def choose_segmentation(named: str | Path | None, cache: ModelCache, *, simulate
         return None if str(named) == NO_SEGMENTATION else _find(str(named), Task.SEGMENTATION, cache)
     shipped = [choice for choice in available(Task.SEGMENTATION, cache) if choice.origin is Origin.SHIPPED]
     return shipped[0] if simulated and shipped else None
+
+
+def choose_boxes(named: str | Path | None, cache: ModelCache) -> Choice | None:
+    """The pillar network that makes 3D boxes, None for those that need no weights; ``named`` is a file, a registered
+    name, ``clusters``, or None, which is the same. Raises ModelStoreError as :func:`choose_detector`."""
+    if named is None or str(named) == WITHOUT_WEIGHTS:
+        return None
+    return _find(str(named), Task.BOXES, cache)
 
 
 def available(task: Task, cache: ModelCache) -> list[Choice]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import pickle
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from hashlib import blake2b
 from itertools import groupby
 from pathlib import Path
@@ -114,6 +114,7 @@ def lidar_units(
     rig = [(camera.name, *_calibration_key(camera)) for camera in cameras]
     reader = blake2b(pickle.dumps(drive.read_sweep), digest_size=16).hexdigest()
     sweeps = _nearest_sweeps(drive)
+    network = None if config.network is None else artifacts.content_hash([Path(config.network)])
     planned: list[LidarUnit] = []
     if not cameras:
         return planned
@@ -121,7 +122,7 @@ def lidar_units(
         frames = tuple(lidar_frame(frame, sweeps[frame.index], drive.poses) for frame in group)
         detections, segmentation = clips.of_clip(clip), segmented.of_clip(clip)
         key = key_of(
-            config,
+            replace(config, network=network),
             classes.names,
             rig,
             reader,

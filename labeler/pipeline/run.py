@@ -10,14 +10,14 @@ import time
 from collections import Counter
 from collections.abc import Generator, Iterable, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 
 from labeler.detection import open_detector
 from labeler.drive import Drive
 from labeler.identity import Decisions, Merges, MergeState
-from labeler.lidar import calibration_warnings
+from labeler.lidar import LidarConfig, calibration_warnings, takes_paint
 from labeler.pipeline import plan
 from labeler.pipeline.artifacts import Artifacts, key_of
 from labeler.pipeline.detecting import detect
@@ -48,6 +48,7 @@ def label_drive(
     *,
     model: Path,
     segmentation: Path | None = None,
+    boxes: Path | None = None,
     workspace: Path,
     settings: LabelSettings | None = None,
     decisions: Decisions | None = None,
@@ -57,7 +58,8 @@ def label_drive(
     """Label ``drive`` with the YOLOX model in the file ``model``, keeping artifacts in the folder ``workspace``.
 
     With a ``segmentation`` model, images of calibrated cameras are segmented for the painting of LiDAR points; a drive
-    without LiDAR or calibration does without.
+    without LiDAR or calibration does without. ``boxes`` is a pillar network for 3D boxes; they are made without weights
+    where it is None, or takes painted points and nothing paints them.
     What an earlier run in the same workspace made of the same data, model and settings is taken from there, so a run
     that was stopped resumes. ``decisions`` of a person about an earlier run hold in this one as well. ``executor``
     defaults to worker processes on all cores; one that is passed in stays open. Raises ModelError for a model that
@@ -70,6 +72,7 @@ def label_drive(
                 drive,
                 model=model,
                 segmentation=segmentation,
+                boxes=boxes,
                 workspace=workspace,
                 settings=settings,
                 decisions=decisions,
@@ -79,6 +82,8 @@ def label_drive(
     run = _Run(Artifacts(workspace), executor, progress or SilentProgress())
     with PeakMemory() as memory:
         chosen = settings or LabelSettings()
+        if boxes is not None:
+            chosen = replace(chosen, lidar=replace(chosen.lidar, method="pillars", network=str(boxes)))
         decisions = decisions or Decisions()
         results = _run_stages(run, drive, model, segmentation, chosen, decisions)
         return _summarise(run, drive, results, chosen, decisions, memory)
@@ -120,6 +125,7 @@ class _Results:
     identities: Path
     donors: Path
     labels: dict[str, Path]
+    box_warnings: tuple[str, ...]
 
 
 def _run_stages(
@@ -139,7 +145,8 @@ def _run_stages(
     segmented = _segment(run, drive, segmentation)
 
     with run.timed("lidar"):
-        lidar_units = plan.lidar_units(drive, clips, segmented, classes, settings.lidar, artifacts=artifacts)
+        lidar, box_warnings = _usable_maker(settings.lidar, is_painted=bool(segmented.of_camera))
+        lidar_units = plan.lidar_units(drive, clips, segmented, classes, lidar, artifacts=artifacts)
     boxes_3d = run.stage(LIDAR, lidar_units)
 
     track_units = plan.track_units(clips, classes, settings.tracking)
@@ -161,7 +168,20 @@ def _run_stages(
         identities,
         donors,
         labels,
+        box_warnings if lidar_units and drive.has_lidar else (),
     )
+
+
+def _usable_maker(config: LidarConfig, *, is_painted: bool) -> tuple[LidarConfig, tuple[str, ...]]:
+    """How 3D boxes can be made: without weights where a network takes painted points and nothing paints them, which is
+    told. ModelError for a network that can't be used."""
+    if config.method != "pillars" or is_painted or not takes_paint(config):
+        return config, ()
+    told = (
+        "3D boxes are made without a network: it takes LiDAR points that a segmentation has painted, and this drive "
+        "was not segmented. Name a segmentation by HINDSIGHT_SEGMENTATION."
+    )
+    return replace(config, method="clusters", network=None), (told,)
 
 
 def _segment(run: _Run, drive: Drive, model: Path | None) -> plan.Clips:
@@ -245,7 +265,7 @@ def _merge_summary(identities: Merges) -> MergeSummary:
 
 
 def _warnings(drive: Drive, results: _Results) -> list[str]:
-    warnings = list(drive.warnings)
+    warnings = [*drive.warnings, *results.box_warnings]
     for paths in (*results.detections.values(), *results.segmentation.values(), results.boxes_3d):
         for path in paths:
             warnings.extend(read_note(path)["warnings"])

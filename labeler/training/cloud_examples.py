@@ -19,12 +19,12 @@ from labeler.lidar.pillars.grouping import DIRECTION_GRID, Grid
 from labeler.training.clouds import MIN_POINTS, DirectionSweep, points_inside
 from labeler.training.errors import TrainingError
 
-_TURN_RAD = np.radians(30.0)
+_TURN_RAD = float(np.radians(30.0))
 _STRETCH = 0.05
 _HEIGHT_STD_M = 0.05
 _SENSOR_HEIGHT_M = 2.2
 _BEAM_RAD = np.radians(0.6)
-_FEWER_BEAMS, _FEWER_POINTS, _SPOILT, _BESIDE, _UNPAINTED = 0.3, 0.3, 0.5, 0.2, 0.03
+_FEWER_BEAMS, _FEWER_POINTS, _SPOILT, _BESIDE, _UNPAINTED = 0.3, 0.3, 0.3, 0.1, 0.02
 _BESIDE_RAD = np.radians(0.7)
 _FALSE_PAINT_M = 1.5
 
@@ -100,8 +100,9 @@ class Move:
     @staticmethod
     def draw(rng: np.random.Generator) -> Move:
         mirror = -1.0 if rng.random() < 0.5 else 1.0
-        turn_rad, stretch = rng.uniform(-_TURN_RAD, _TURN_RAD), rng.uniform(1 - _STRETCH, 1 + _STRETCH)
-        return Move(mirror, float(turn_rad), float(stretch), float(rng.normal(0, _HEIGHT_STD_M)))
+        turn_rad = float(rng.uniform(-_TURN_RAD, _TURN_RAD))
+        stretch = float(rng.uniform(1 - _STRETCH, 1 + _STRETCH))
+        return Move(mirror, turn_rad, stretch, float(rng.normal(0, _HEIGHT_STD_M)))
 
     def of_places(self, xy_m: NDArray[np.float32]) -> NDArray[np.float32]:
         """(N, 2) places, moved."""
@@ -157,12 +158,12 @@ def with_spoilt_paint(example: CloudExample, rng: np.random.Generator) -> CloudE
         _, source = cKDTree(around).query(around + rng.normal(0, _BESIDE_RAD, 2))
         scores = scores[source]
     if rng.random() < _SPOILT:
-        scores[:, 1:] = np.clip(scores[:, 1:] * rng.uniform(0.6, 1.1) + rng.normal(0, 0.1, scores[:, 1:].shape), 0, 1)
+        scores[:, 1:] = np.clip(scores[:, 1:] * rng.uniform(0.7, 1.1) + rng.normal(0, 0.03, scores[:, 1:].shape), 0, 1)
         scores[:, 1:] *= scores[:, :1] > 0.5
         for row in np.flatnonzero(example.asked & (rng.random(len(example.asked)) < 0.1)).tolist():
             scores[points_inside(cloud[:, :3], example.truth[row], 0.3), 1] *= np.float32(rng.random() * 0.5)
         if len(cloud):
-            for place in rng.integers(len(cloud), size=rng.poisson(1.0)).tolist():
+            for place in rng.integers(len(cloud), size=rng.poisson(0.5)).tolist():
                 near = np.abs(cloud[:, :2] - cloud[place, :2]).max(axis=1) < _FALSE_PAINT_M
                 scores[near & (scores[:, 0] > 0.5), 1] = rng.uniform(0.3, 1.0)
     if rng.random() < _UNPAINTED:

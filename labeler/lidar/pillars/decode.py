@@ -71,8 +71,8 @@ class PillarBoxes:
 def cell_middles(grid: Grid) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """x of each row and y of each column of the output, in the middle of its cells."""
     side_m = grid.cell_m * STRIDE
-    x_m = grid.x_min_m + (np.arange(grid.rows // STRIDE) + 0.5) * side_m
-    return x_m, grid.y_min_m + (np.arange(grid.columns // STRIDE) + 0.5) * side_m
+    row, column = np.arange(grid.rows // STRIDE, dtype=np.float64), np.arange(grid.columns // STRIDE, dtype=np.float64)
+    return grid.x_min_m + (row + 0.5) * side_m, grid.y_min_m + (column + 0.5) * side_m
 
 
 def decode(output: NDArray[np.float32], grid: Grid, *, min_score: float) -> PillarBoxes:
@@ -88,9 +88,9 @@ def decode(output: NDArray[np.float32], grid: Grid, *, min_score: float) -> Pill
     x_m, y_m = cell_middles(grid)
     center_m = np.stack([x_m[row] + said[2], y_m[column] + said[3], said[Outputs.HEIGHT]], axis=1)
     (sin, cos), (ahead_sin, ahead_cos) = said[Outputs.AXIS], said[Outputs.HEADING]
-    yaw_rad = np.arctan2(sin, cos) / 2
-    backwards = np.cos(yaw_rad) * ahead_cos + np.sin(yaw_rad) * ahead_sin < 0
-    yaw_rad = np.where(backwards, yaw_rad + np.pi, yaw_rad)
+    axis_rad: NDArray[np.float64] = np.arctan2(sin, cos) / 2
+    backwards = np.cos(axis_rad) * ahead_cos + np.sin(axis_rad) * ahead_sin < 0
+    yaw_rad = axis_rad + np.where(backwards, np.pi, 0.0)
     chance = np.exp(said[Outputs.CLASSES :] - said[Outputs.CLASSES :].max(axis=0, keepdims=True, initial=-np.inf))
     chance /= chance.sum(axis=0, keepdims=True)
     found = PillarBoxes(
@@ -126,5 +126,5 @@ def _bev_iou(boxes: PillarBoxes, a: int, b: int) -> float:
     return shared_m2 / max(areas_m2 - shared_m2, 1e-9)
 
 
-def _sigmoid(logits: NDArray[np.float32]) -> NDArray[np.float32]:
-    return 1 / (1 + np.exp(-np.clip(logits, -30, 30)))
+def _sigmoid(logits: NDArray[np.float32]) -> NDArray[np.float64]:
+    return 1 / (1 + np.exp(-np.clip(logits.astype(np.float64), -30, 30)))

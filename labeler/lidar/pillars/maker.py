@@ -41,12 +41,16 @@ class PillarBoxMaker:
         self._class_of = np.array([known.get(name, -1) for name in self._model.class_names], np.int16)
         self._without_weights = ClusterBoxMaker(config, class_names=class_names)
 
+    @property
+    def takes_paint(self) -> bool:
+        return self._model.painted
+
     def boxes(self, scene: Scene, cameras: Mapping[str, CameraInput]) -> dict[str, Boxes3D]:
         """As :class:`labeler.lidar.makers.BoxMaker` has it."""
         found = {name: self._of_direction(scene, camera) for name, camera in cameras.items()}
         if not self._config.fill:
             return {name: boxes for name, (boxes, _) in found.items()}
-        boxed = np.concatenate([np.zeros(0, np.intp), *(rows for _, rows in found.values())])
+        boxed: NDArray[np.intp] = np.concatenate([np.zeros(0, np.intp), *(rows for _, rows in found.values())])
         left = {
             name: np.setdiff1d(np.arange(len(camera.detections)), found[name][0].detection_index)
             for name, camera in cameras.items()
@@ -115,8 +119,8 @@ def _held(cloud: NDArray[np.float32], boxes: PillarBoxes) -> list[NDArray[np.int
     for row in range(len(boxes)):
         half_m = boxes.size_m[row] / 2 + _NEAR_BOX_M
         reach_m = float(np.hypot(half_m[0], half_m[1]))
-        low, high = np.searchsorted(x_m, boxes.center_m[row, 0] + np.array([-reach_m, reach_m]))
-        near = order[low:high]
+        low = int(np.searchsorted(x_m, boxes.center_m[row, 0] - reach_m))
+        near = order[low : int(np.searchsorted(x_m, boxes.center_m[row, 0] + reach_m))]
         along_m, across_m = _in_box_axes(cloud[near, :2], boxes, row)
         inside = (np.abs(along_m) <= half_m[0]) & (np.abs(across_m) <= half_m[1])
         inside &= np.abs(cloud[near, 2] - boxes.center_m[row, 2]) <= half_m[2]

@@ -6,7 +6,7 @@ import pytest
 from labeler.drive import Drive, Frame, SweepFile
 from labeler.drive.types import Calibration, Camera, ImageFile, Sweep, Truth, TruthBoxes2D, TruthBoxes3D
 from labeler.evaluation.boxes_3d import BoxReport
-from labeler.evaluation.boxes_3d_cases import BoxFinder, judge_boxes
+from labeler.evaluation.boxes_3d_cases import Seen, judge_makers
 from labeler.evaluation.types import EvaluationError
 from labeler.geometry.se3 import se3
 from labeler.lidar import Boxes3D, BoxSource
@@ -71,7 +71,7 @@ def boxes(*rows: tuple[int, float, float, float]) -> Boxes3D:
 
 
 def judged(found: Boxes3D) -> BoxReport:
-    return judge_boxes(drive(), BoxFinder(None, lambda *_: {"front": found}))
+    return judge_makers(drive(), {"told": lambda *_: {"front": found}}, Seen())["told"]
 
 
 def test_each_true_object_is_judged_by_the_box_of_its_own_detection():
@@ -94,4 +94,4 @@ def test_a_box_at_the_place_of_another_object_is_no_hit_for_its_detection_but_on
 
 def test_a_drive_without_truth_is_refused_with_what_to_do():
     with pytest.raises(EvaluationError, match="hindsight simulate"):
-        judge_boxes(drive(truth=False), BoxFinder(None, lambda *_: {}))
+        judge_makers(drive(truth=False), {"none": lambda *_: {}}, Seen())
