@@ -76,8 +76,11 @@ class PillarBoxMaker:
         center_m = np.concatenate([xy_m, found.center_m[:, 2:] + scene.ground.at(xy_m)[:, None]], axis=1)
         points_m = [scene.xyz_m[rows[inside]] for inside in held]
         detection, _ = associate(center_m, found.size_m, yaw_rad, points_m, camera.detections.xyxy_px, camera.view)
-        chosen = np.flatnonzero(detection >= 0)
+        chosen: NDArray[np.intp] = np.flatnonzero(detection >= 0)
         chosen = chosen[np.argsort(detection[chosen], kind="stable")]
+        numbers: list[int] = chosen.tolist()
+        kept = [held[row] for row in numbers]
+        extents = [_extent(cloud[inside], found, row) for row, inside in zip(numbers, kept, strict=True)]
         of_class = self._class_of[found.class_index[chosen]]
         boxes = Boxes3D(
             center_m=center_m[chosen].astype(np.float32),
@@ -85,16 +88,15 @@ class PillarBoxMaker:
             yaw_rad=((yaw_rad[chosen] + np.pi) % (2 * np.pi) - np.pi).astype(np.float32),
             score=found.score[chosen].astype(np.float32),
             class_id=np.where(of_class >= 0, of_class, camera.detections.class_id[detection[chosen]]).astype(np.int16),
-            num_points=np.array([len(held[row]) for row in chosen], np.int32),
+            num_points=np.array([len(inside) for inside in kept], np.int32),
             detection_index=detection[chosen].astype(np.int32),
             source=np.full(len(chosen), BoxSource.PILLARS, np.int8),
             center_std_m=found.std[chosen, :2].astype(np.float32),
             yaw_std_rad=found.std[chosen, 2].astype(np.float32),
-            seen_m=np.array([_extent(cloud[held[row]], found, row) for row in chosen], np.float32).reshape(-1, 4),
-            offset_s=np.array([scene.offset_s[rows[held[row]]].mean() for row in chosen], np.float32),
+            seen_m=np.array(extents, np.float32).reshape(-1, 4),
+            offset_s=np.array([scene.offset_s[rows[inside]].mean() for inside in kept], np.float32),
         )
-        inside = [rows[held[row]] for row in chosen]
-        return boxes, np.concatenate([np.zeros(0, np.intp), *inside])
+        return boxes, np.concatenate([np.zeros(0, np.intp), *(rows[inside] for inside in kept)])
 
 
 def shipped_network() -> Path:
@@ -119,8 +121,8 @@ def _held(cloud: NDArray[np.float32], boxes: PillarBoxes) -> list[NDArray[np.int
     for row in range(len(boxes)):
         half_m = boxes.size_m[row] / 2 + _NEAR_BOX_M
         reach_m = float(np.hypot(half_m[0], half_m[1]))
-        low = int(np.searchsorted(x_m, boxes.center_m[row, 0] - reach_m))
-        near = order[low : int(np.searchsorted(x_m, boxes.center_m[row, 0] + reach_m))]
+        middle_m = float(boxes.center_m[row, 0])
+        near = order[np.searchsorted(x_m, middle_m - reach_m) : np.searchsorted(x_m, middle_m + reach_m)]
         along_m, across_m = _in_box_axes(cloud[near, :2], boxes, row)
         inside = (np.abs(along_m) <= half_m[0]) & (np.abs(across_m) <= half_m[1])
         inside &= np.abs(cloud[near, 2] - boxes.center_m[row, 2]) <= half_m[2]
