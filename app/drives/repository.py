@@ -69,7 +69,7 @@ def cameras_of(session: Session, drive_ids: Sequence[int]) -> dict[int, list[Cam
 def frame_times_ns(session: Session, drive_id: int) -> Sequence[int]:
     """One time per frame, in order."""
     query = select(FrameRow.timestamp_ns).where(FrameRow.drive_id == drive_id).order_by(FrameRow.frame_index)
-    return session.scalars(query).all()
+    return list(session.scalars(query))
 
 
 def image_times_ns(session: Session, drive_id: int, frame_indices: Sequence[int], camera_id: int) -> dict[int, int]:

@@ -54,11 +54,16 @@ class Refused:
 
 @dataclass(frozen=True)
 class Relinked:
-    """What changed."""
+    """What changed: ``identity_ids`` are the identities that were reached, ``gone_identity_ids`` those that are no
+    more. ``changed_tracks`` are the tracks that are of another identity now, or have a label that changed. ``joined``
+    are the pairs of tracks that people joined, anywhere in the drive."""
 
     identity_ids: tuple[int, ...]
     changed_label_count: int
     refused: tuple[Refused, ...]
+    gone_identity_ids: tuple[int, ...] = ()
+    changed_tracks: frozenset[int] = frozenset()
+    joined: tuple[tuple[int, int], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -79,14 +84,15 @@ def relink(
     session.flush()
     pieces = edits_repository.pieces(session, labelling_id)
     of_pairs = _of_tracks_that_are(session, labelling_id, pairs(session, labelling_id, pieces))
-    links = _in_order(merges_repository.links(session, labelling_id), of_pairs)
-    tracks = _reachable(session, labelling_id, set(changed_tracks), links)
-    ids = {track.track_id for track in tracks}
-    links = [link for link in links if link.track_a in ids]
+    same = [pair for pair in of_pairs if pair.kind is EffectKind.SAME]
+    ids, merges = _reachable(session, labelling_id, set(changed_tracks), same)
+    links = _in_order(merges, [pair for pair in same if pair.track_a in ids])
+    tracks = tracks_repository.tracks_with(session, labelling_id, ids)
     forbids = MayNotBeOne(session, labelling_id, tracks, of_pairs)
     graph = IdentityGraph(dict.fromkeys(ids, ""), forbids)  # one camera for all: the rule looks at cameras itself
     refused = _join(session, graph, links, forbids)
-    before = {track.identity_id for track in tracks} | set(gone_identities)
+    identity_before = {track.track_id: track.identity_id for track in tracks}
+    before = {*identity_before.values(), *gone_identities}
     members: dict[int, list[TrackRow]] = {}
     for track in tracks:
         members.setdefault(graph.identity_of(track.track_id), []).append(track)
@@ -108,8 +114,17 @@ def relink(
         for identity, group in members.items()
     ]
     repository.replace(session, labelling_id, before | members.keys(), rows)
-    changed = sum(one.changed_count for one in relabelled.values())
-    return Relinked(tuple(sorted(members)), changed, tuple(refused))
+    moved = {
+        track for identity, group in members.items() for track in _ids(group) if identity_before[track] != identity
+    }
+    return Relinked(
+        tuple(sorted(members)),
+        sum(one.changed_count for one in relabelled.values()),
+        tuple(refused),
+        gone_identity_ids=tuple(sorted(before - members.keys())),
+        changed_tracks=frozenset(moved.union(*(one.changed_tracks for one in relabelled.values()))),
+        joined=tuple((pair.track_a, pair.track_b) for pair in same),
+    )
 
 
 def best_track(tracks: Sequence[T]) -> T:
@@ -159,11 +174,13 @@ def _of_tracks_that_are(session: Session, labelling_id: int, said: Sequence[Pair
     return [pair for pair in said if pair.track_a in there and pair.track_b in there]
 
 
-def _in_order(merges: Sequence[Link], said: Iterable[Pair]) -> list[Link | Pair]:
-    """What makes tracks one object, the strongest first: a person's merges, a person's joins, the machine's merges."""
-    by_person = [link for link in merges if link.decided_by == "person"]
-    by_machine = [link for link in merges if link.decided_by != "person"]
-    return [*by_person, *(pair for pair in said if pair.kind is EffectKind.SAME), *by_machine]
+def _in_order(merges: Sequence[Link], joined: Iterable[Pair]) -> list[Link | Pair]:
+    """What makes tracks one object, the strongest first: a person's merges by score, a person's joins in the order in
+    which they were said, the machine's merges by score."""
+    by_score = sorted(merges, key=lambda link: (-link.score, link.merge_id))
+    by_person = [link for link in by_score if link.decided_by == "person"]
+    by_machine = [link for link in by_score if link.decided_by != "person"]
+    return [*by_person, *joined, *by_machine]
 
 
 def _said(
@@ -199,19 +216,26 @@ def _said(
 
 
 def _reachable(
-    session: Session, labelling_id: int, start: set[int], links: Sequence[Link | Pair]
-) -> Sequence[TrackRow]:
-    """Tracks that are or could be in one identity with those of ``start``, by way of the links."""
-    neighbours: dict[int, list[int]] = {}
-    for link in links:
-        neighbours.setdefault(link.track_a, []).append(link.track_b)
-        neighbours.setdefault(link.track_b, []).append(link.track_a)
-    reached, waiting = set(start), list(start)
+    session: Session, labelling_id: int, start: set[int], joined: Sequence[Pair]
+) -> tuple[set[int], list[Link]]:
+    """Tracks that are or could be in one identity with those of ``start``, and the merges that say so.
+
+    Asks the store for the merges of what was reached last, so that a decision costs what it reaches, not what the drive
+    holds."""
+    neighbours: dict[int, set[int]] = {}
+    for pair in joined:
+        neighbours.setdefault(pair.track_a, set()).add(pair.track_b)
+        neighbours.setdefault(pair.track_b, set()).add(pair.track_a)
+    reached, waiting = set(start), set(start)
+    merges: dict[int, Link] = {}
     while waiting:
-        fresh = [track for track in neighbours.get(waiting.pop(), ()) if track not in reached]
-        reached.update(fresh)
-        waiting += fresh
-    return tracks_repository.tracks_with(session, labelling_id, reached)
+        found = merges_repository.links_of_tracks(session, labelling_id, waiting)
+        merges |= {link.merge_id: link for link in found}
+        beside = {track for link in found for track in (link.track_a, link.track_b)}
+        beside.update(*(neighbours.get(track, ()) for track in waiting))
+        waiting = beside - reached
+        reached |= waiting
+    return reached, list(merges.values())
 
 
 def _join(session: Session, graph: IdentityGraph, links: Sequence[Link | Pair], forbids: MayNotBeOne) -> list[Refused]:
@@ -263,13 +287,13 @@ def _relabel(
         changed = label_repository.label_by_person(
             session, labelling_id, ids, class_id=said.class_id, score=HUMAN_SCORE, drawn_only=False
         )
-        return Relabelled(relabelling.donor(ids), changed)
+        return Relabelled(relabelling.donor(ids), changed, frozenset(ids if changed else ()))
     found = relabelling.relabel(ids)
     class_id = best_track(tracks).class_id if found.donor is None else found.donor.class_id
     drawn = label_repository.label_by_person(
         session, labelling_id, ids, class_id=class_id, score=HUMAN_SCORE, drawn_only=True
     )
-    return Relabelled(found.donor, found.changed_count + drawn)
+    return Relabelled(found.donor, found.changed_count + drawn, found.changed_tracks.union(ids if drawn else ()))
 
 
 def _ids(tracks: Iterable[TrackRow]) -> list[int]:

@@ -31,10 +31,13 @@ BEFORE_IT_WAS_KEPT = PropagationConfig(min_trust=0.0)
 
 @dataclass(frozen=True)
 class Relabelled:
-    """The donor of an identity, None where no observation has a score, and how many labels changed."""
+    """The donor of an identity, None where no observation has a score, and how many labels changed.
+
+    ``changed_tracks`` are the tracks of all labels that were written anew."""
 
     donor: Donor | None
     changed_count: int
+    changed_tracks: frozenset[int]
 
 
 class Relabelling:
@@ -81,7 +84,8 @@ class Relabelling:
         ]
         label_repository.change_labels(self._session, self._labelling_id, changed)
         given = {(box.track_id, box.frame_index): box.label[:PROBABILITY] for box in boxes}
-        return Relabelled(donor, sum(given[track, frame] != label[:PROBABILITY] for track, frame, label in changed))
+        count = sum(given[track, frame] != label[:PROBABILITY] for track, frame, label in changed)
+        return Relabelled(donor, count, frozenset(track for track, _, _ in changed))
 
     def _donor_and_values(
         self, track_ids: Sequence[int], boxes: Sequence[BoxAndLabel]

@@ -30,8 +30,8 @@ class StoredIdentity(NamedTuple):
     donor_score: float | None
 
 
-def list_all(session: Session, labelling_id: int) -> list[StoredIdentity]:
-    """Identities in order of id."""
+def list_stored(session: Session, labelling_id: int, identity_ids: Iterable[int] | None = None) -> list[StoredIdentity]:
+    """Identities in order of id: all, or those of these ids that are there."""
     of_identity = (getattr(IdentityRow, name) for name in StoredIdentity._fields[:-3])
     query = (
         select(*of_identity, ObservationRow.id, TrackRow.camera_id, ObservationRow.score)
@@ -50,6 +50,8 @@ def list_all(session: Session, labelling_id: int) -> list[StoredIdentity]:
         .where(IdentityRow.labelling_id == labelling_id)
         .order_by(IdentityRow.identity_id)
     )
+    if identity_ids is not None:
+        query = query.where(IdentityRow.identity_id.in_(sorted(identity_ids)))
     return [StoredIdentity._make(row) for row in session.execute(query)]
 
 

@@ -18,7 +18,7 @@ AnyTrack = TrackRow | TrackFacts
 
 class Impact:
     """Counts for the merges of one labelling. ``accepted`` are all merges that hold among the tracks, the strongest
-    first."""
+    first; pairs of other tracks may be among them."""
 
     def __init__(self, tracks: Iterable[AnyTrack], accepted: Iterable[tuple[int, int]]) -> None:
         self._tracks = {track.track_id: track for track in tracks}
@@ -28,6 +28,8 @@ class Impact:
         self._neighbours: dict[int, set[int]] = {}
         self._links: dict[int, list[tuple[int, int]]] = {}
         for track_a, track_b in accepted:
+            if track_a not in self._tracks or track_b not in self._tracks:
+                continue
             self._links.setdefault(self.identity_of(track_a), []).append((track_a, track_b))
             self._neighbours.setdefault(track_a, set()).add(track_b)
             self._neighbours.setdefault(track_b, set()).add(track_a)

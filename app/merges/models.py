@@ -22,6 +22,8 @@ class MergeRow(Base):
     __tablename__ = "merge"
     __table_args__ = (
         Index(None, "labelling_id", "track_a", "track_b"),
+        Index(None, "labelling_id", "track_b"),
+        Index(None, "labelling_id", "decided_by", "state"),
         {"sqlite_autoincrement": True},
     )
 

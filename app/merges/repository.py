@@ -8,7 +8,7 @@ from sqlalchemy.orm import Session
 
 from app.merges.models import MergeRow
 from app.reviews.models import ReviewRow
-from app.tracks.repository import plain_rows
+from app.tracks.repository import IDS_PER_QUERY, plain_rows
 
 
 class Link(NamedTuple):
@@ -101,31 +101,41 @@ def _by_score(query: Any, labelling_id: int, state: str | None) -> Any:
 
 def merges_of_tracks(session: Session, labelling_id: int, track_ids: Iterable[int]) -> Sequence[MergeRow]:
     """Merges that any of these tracks is in, by descending score."""
-    ids = set(track_ids)
-    query = select(MergeRow).where(
+    ids = sorted(track_ids)
+    found: dict[int, MergeRow] = {}
+    for start in range(0, len(ids), IDS_PER_QUERY):
+        for side in (MergeRow.track_a, MergeRow.track_b):  # each by its own index
+            query = select(MergeRow).where(
+                MergeRow.labelling_id == labelling_id,
+                MergeRow.track_a.is_not(None),
+                MergeRow.track_b.is_not(None),
+                side.in_(ids[start : start + IDS_PER_QUERY]),
+            )
+            found |= {row.id: row for row in session.scalars(query)}
+    return sorted(found.values(), key=lambda row: (-row.score, row.id))
+
+
+def links_of_tracks(session: Session, labelling_id: int, track_ids: Iterable[int]) -> list[Link]:
+    """Merges that a person accepted, and those that the machine accepted and no person decided, that any of these
+    tracks is in."""
+    accepted_by_person = (MergeRow.decided_by == "person") & (MergeRow.state == "accepted")
+    accepted_by_machine = (MergeRow.decided_by == "machine") & (MergeRow.machine_state == "accepted")
+    query = select(
+        MergeRow.id, MergeRow.track_a, MergeRow.track_b, MergeRow.score, MergeRow.state, MergeRow.decided_by
+    ).where(
         MergeRow.labelling_id == labelling_id,
         MergeRow.track_a.is_not(None),
         MergeRow.track_b.is_not(None),
-        MergeRow.track_a.in_(ids) | MergeRow.track_b.in_(ids),
+        accepted_by_person | accepted_by_machine,
     )
-    return session.scalars(query.order_by(MergeRow.score.desc(), MergeRow.id)).all()
-
-
-def links(session: Session, labelling_id: int) -> list[Link]:
-    """Merges that a person accepted, by score, and then those that the machine accepted and no person decided."""
-    accepted_by_person = (MergeRow.decided_by == "person") & (MergeRow.state == "accepted")
-    accepted_by_machine = (MergeRow.decided_by == "machine") & (MergeRow.machine_state == "accepted")
-    query = (
-        select(MergeRow.id, MergeRow.track_a, MergeRow.track_b, MergeRow.score, MergeRow.state, MergeRow.decided_by)
-        .where(
-            MergeRow.labelling_id == labelling_id,
-            MergeRow.track_a.is_not(None),
-            MergeRow.track_b.is_not(None),
-            accepted_by_person | accepted_by_machine,
-        )
-        .order_by(MergeRow.decided_by.desc(), MergeRow.score.desc(), MergeRow.id)
-    )
-    return [Link._make(row) for row in plain_rows(session, query)]
+    ids = sorted(track_ids)
+    found: dict[int, Link] = {}
+    for start in range(0, len(ids), IDS_PER_QUERY):
+        some = ids[start : start + IDS_PER_QUERY]
+        for side in (MergeRow.track_a, MergeRow.track_b):  # each by its own index
+            for row in plain_rows(session, query.where(side.in_(some))):
+                found[row[0]] = Link._make(row)
+    return list(found.values())
 
 
 def rejections(session: Session, labelling_id: int) -> list[Rejection]:

@@ -1,12 +1,12 @@
 """Merges for the page, and a person's decisions about them."""
 
-from collections.abc import Collection, Iterable
 from typing import Any
 
 from pydantic_core import to_json
 
 from app.db.session import Session
 from app.drives import repository as drives_repository
+from app.drives.models import DriveRow
 from app.edits import repository as edits_repository
 from app.edits.pairs import pairs
 from app.edits.service import require_fresh, require_held
@@ -14,16 +14,19 @@ from app.edits.types import Effect, EffectKind, Place
 from app.errors import CannotLink, Conflict, NotFound
 from app.identities.classes import require_one_class
 from app.identities.conflicts import require_one_object
-from app.identities.linking import relink
+from app.identities.linking import Relinked, relink
+from app.identities.service import identity_values
 from app.merges import repository
 from app.merges.impact import Impact
 from app.merges.models import MergeRow
 from app.merges.priority import priority
 from app.merges.repository import StoredMerge
-from app.merges.schemas import DecidedBy, Merge, MergeChange, MergeState
+from app.merges.schemas import DecidedBy, MergeChange, MergeState
 from app.reviews import service as reviews_service
 from app.reviews.schemas import ReviewAction
 from app.tracks import repository as tracks_repository
+from app.tracks.models import LabellingRow
+from app.tracks.service import observations_of_tracks
 
 
 def merges_json(session: Session, drive_id: int, state: MergeState | None) -> bytes:
@@ -38,7 +41,7 @@ def merges_json(session: Session, drive_id: int, state: MergeState | None) -> by
     if labelling is None:
         return to_json([])
     tracks = tracks_repository.track_facts(session, labelling.id)
-    impact = Impact(tracks, _held_pairs(session, labelling.id))
+    impact = Impact(tracks, [*_joined(session, labelling.id), *repository.accepted_pairs(session, labelling.id)])
     cameras = tracks_repository.camera_names(session, drive_id)
     camera_of = {track.track_id: cameras[track.camera_id] for track in tracks}
     return to_json([_values(row, impact, camera_of) for row in repository.read_by_score(session, labelling.id, state)])
@@ -76,10 +79,12 @@ def undo_merge(session: Session, merge_id: int, *, reviewer: str, seen_revision:
             f"Nobody has decided about the merge of tracks {merge.track_a} and {merge.track_b}, so there is nothing to "
             "undo."
         )
-    _require_fresh(session, merge, seen_revision)
+    labelling = tracks_repository.find_labelling(session, merge.labelling_id)
+    drive = tracks_repository.drive_of_labelling(session, labelling.id)
+    _require_fresh(session, drive, labelling, merge, seen_revision)
     reviews_service.record(session, merge, ReviewAction.UNDO, reviewer=reviewer)
     merge.state, merge.decided_by = merge.machine_state, DecidedBy.MACHINE
-    return _apply(session, merge)
+    return _apply(session, drive, labelling, merge)
 
 
 def _decide(
@@ -90,19 +95,21 @@ def _decide(
     reviewer: str,
     seen_revision: int | None,
 ) -> MergeChange:
-    if merge.state == state and merge.decided_by == DecidedBy.PERSON:
-        return _change(session, merge, changed_label_count=0)  # said before: nothing to add
-    _require_fresh(session, merge, seen_revision)
+    labelling = tracks_repository.find_labelling(session, merge.labelling_id)
+    drive = tracks_repository.drive_of_labelling(session, labelling.id)
+    if merge.state == state and merge.decided_by == DecidedBy.PERSON:  # said before: nothing to add
+        return _change(session, drive, labelling, merge, Relinked((), 0, (), joined=_joined(session, labelling.id)))
+    _require_fresh(session, drive, labelling, merge, seen_revision)
     if action is ReviewAction.ACCEPT and merge.state != MergeState.ACCEPTED:
         _require_linkable(session, merge)
     reviews_service.record(session, merge, action, reviewer=reviewer)
     merge.state, merge.decided_by = state, DecidedBy.PERSON
-    return _apply(session, merge)
+    return _apply(session, drive, labelling, merge)
 
 
-def _apply(session: Session, merge: MergeRow) -> MergeChange:
+def _apply(session: Session, drive: DriveRow, labelling: LabellingRow, merge: MergeRow) -> MergeChange:
     """Let identities and labels follow a changed merge."""
-    relinked = relink(session, merge.labelling_id, tracks_of_merge(merge))
+    relinked = relink(session, labelling.id, tracks_of_merge(merge))
     if relinked.refused and merge.state == MergeState.REJECTED:
         first = relinked.refused[0]
         raise CannotLink(
@@ -110,33 +117,38 @@ def _apply(session: Session, merge: MergeRow) -> MergeChange:
             f"and {first.track_b} are one. Undo that decision first."
         )
     require_held(relinked)
-    drive = tracks_repository.drive_of_labelling(session, merge.labelling_id)
     drives_repository.raise_revision(session, drive.id)
     session.refresh(merge)
-    return _change(session, merge, near=relinked.identity_ids, changed_label_count=relinked.changed_label_count)
+    session.refresh(drive)
+    return _change(session, drive, labelling, merge, relinked)
 
 
-def _change(session: Session, merge: MergeRow, *, near: Iterable[int] = (), changed_label_count: int) -> MergeChange:
-    """``near`` are the identities that the decision reached, beside those of the merge's own tracks."""
-    labelling_id = merge.labelling_id
+def _change(
+    session: Session, drive: DriveRow, labelling: LabellingRow, merge: MergeRow, relinked: Relinked
+) -> MergeChange:
+    labelling_id = labelling.id
     pair = tracks_repository.tracks_with(session, labelling_id, tracks_of_merge(merge))
     identity_ids = {track.identity_id for track in pair}
-    reached = tracks_repository.tracks_of_identities(session, labelling_id, identity_ids | set(near))
+    reached = tracks_repository.tracks_of_identities(session, labelling_id, identity_ids.union(relinked.identity_ids))
     rows = repository.merges_of_tracks(session, labelling_id, [track.track_id for track in reached])
     tracks = tracks_repository.tracks_of_same_identities(
         session, labelling_id, {track for row in rows for track in tracks_of_merge(row)}
     )
-    drive = tracks_repository.drive_of_labelling(session, labelling_id)
-    session.refresh(drive)
     cameras = tracks_repository.camera_names(session, drive.id)
-    impact = Impact(tracks, _held_pairs(session, labelling_id, {track.track_id for track in tracks}))
+    accepted = repository.accepted_pairs(session, labelling_id, {track.track_id for track in tracks})
+    impact = Impact(tracks, [*relinked.joined, *accepted])
     camera_of = {track.track_id: cameras[track.camera_id] for track in tracks}
-    return MergeChange(
-        merge=Merge.model_validate(_values(merge, impact, camera_of)),
-        merges=[Merge.model_validate(_values(row, impact, camera_of)) for row in rows],
-        changed_label_count=changed_label_count,
-        identity_ids=sorted(identity_ids),
-        revision=drive.revision,
+    return MergeChange.model_validate(
+        {
+            "merge": _values(merge, impact, camera_of),
+            "merges": [_values(row, impact, camera_of) for row in rows],
+            "changed_label_count": relinked.changed_label_count,
+            "identity_ids": sorted(identity_ids),
+            "identities": identity_values(session, labelling, relinked.identity_ids),
+            "gone_identity_ids": relinked.gone_identity_ids,
+            "observations": observations_of_tracks(session, labelling, relinked.changed_tracks),
+            "revision": drive.revision,
+        }
     )
 
 
@@ -148,10 +160,12 @@ def require_current(session: Session, merge_id: int) -> MergeRow:
     return merge
 
 
-def _require_fresh(session: Session, merge: MergeRow, seen_revision: int | None) -> None:
+def _require_fresh(
+    session: Session, drive: DriveRow, labelling: LabellingRow, merge: MergeRow, seen_revision: int | None
+) -> None:
     """Stale where somebody changed one of the two objects after the revision that the page had read."""
-    labelling = tracks_repository.find_labelling(session, merge.labelling_id)
-    drive = tracks_repository.drive_of_labelling(session, merge.labelling_id)
+    if seen_revision is None or seen_revision >= drive.revision:
+        return
     tracks = tracks_repository.tracks_with(session, merge.labelling_id, tracks_of_merge(merge))
     require_fresh(
         session,
@@ -180,14 +194,10 @@ def tracks_of_merge(merge: MergeRow) -> tuple[int, int]:
     return merge.track_a, merge.track_b
 
 
-def _held_pairs(session: Session, labelling_id: int, track_ids: Collection[int] | None = None) -> list[tuple[int, int]]:
-    """What makes tracks one object now, of all or of some, the strongest first: what people joined, and merges."""
-    pieces = edits_repository.pieces(session, labelling_id)
-    joined = [pair for pair in pairs(session, labelling_id, pieces) if pair.kind is EffectKind.SAME]
-    return [
-        *((pair.track_a, pair.track_b) for pair in joined),
-        *repository.accepted_pairs(session, labelling_id, track_ids),
-    ]
+def _joined(session: Session, labelling_id: int) -> tuple[tuple[int, int], ...]:
+    """The pairs of tracks that people joined."""
+    said = pairs(session, labelling_id, edits_repository.pieces(session, labelling_id))
+    return tuple((pair.track_a, pair.track_b) for pair in said if pair.kind is EffectKind.SAME)
 
 
 def _values(row: MergeRow | StoredMerge, impact: Impact, camera_of: dict[int, str]) -> dict[str, Any]:

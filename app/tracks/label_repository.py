@@ -13,7 +13,7 @@ LABEL_COLUMNS = ("class_id", "score", "source", "donor_track_id", "donor_frame_i
 
 
 class LabelledObservation(NamedTuple):
-    """An observation with its label."""
+    """An observation with its label. ``filled`` is 0 or 1 where the driver gives that."""
 
     id: int
     track_id: int
@@ -24,7 +24,7 @@ class LabelledObservation(NamedTuple):
     y2_px: float
     class_id: int
     score: float | None
-    filled: bool
+    filled: bool | int
     label_class_id: int
     label_score: float | None
     label_source: str
@@ -33,6 +33,9 @@ class LabelledObservation(NamedTuple):
     trust: float | None
     withheld: str | None
     probability: float | None
+
+
+TRACK_ID, FRAME_INDEX = (LabelledObservation._fields.index(name) for name in ("track_id", "frame_index"))
 
 
 class BoxAndLabel(NamedTuple):
@@ -78,7 +81,22 @@ class LabelledFrames(NamedTuple):
 
 
 def labelled_frames(session: Session, labelling_id: int, start: int, stop: int) -> LabelledFrames:
-    """Observations of the frames ``start <= frame_index < stop`` with their labels.
+    """Observations of the frames ``start <= frame_index < stop`` with their labels."""
+    return _labelled(
+        session,
+        labelling_id,
+        and_(ObservationRow.frame_index >= start, ObservationRow.frame_index < stop),
+        and_(TrackRow.first_frame < stop, TrackRow.last_frame >= start),
+    )
+
+
+def labelled_tracks(session: Session, labelling_id: int, track_ids: Sequence[int]) -> LabelledFrames:
+    """All observations of some tracks with their labels."""
+    return _labelled(session, labelling_id, ObservationRow.track_id.in_(track_ids), TrackRow.track_id.in_(track_ids))
+
+
+def _labelled(session: Session, labelling_id: int, which: Any, tracks: Any) -> LabelledFrames:
+    """``which`` picks the observations, and ``tracks`` their tracks at least.
 
     Tracks and donors are read beside, not joined: they repeat from frame to frame.
     """
@@ -104,34 +122,26 @@ def labelled_frames(session: Session, labelling_id: int, start: int, stop: int) 
             LabelRow.probability,
         )
         .join(LabelRow, is_label_of_observation())
-        .where(
-            ObservationRow.labelling_id == labelling_id,
-            ObservationRow.frame_index >= start,
-            ObservationRow.frame_index < stop,
-        )
-        .order_by(ObservationRow.frame_index, ObservationRow.track_id)
+        .where(ObservationRow.labelling_id == labelling_id, which)
     )
-    observations = [LabelledObservation._make(row) for row in session.execute(query)]
     present = select(TrackRow.track_id, TrackRow.identity_id, TrackRow.camera_id).where(
-        TrackRow.labelling_id == labelling_id, TrackRow.first_frame < stop, TrackRow.last_frame >= start
+        TrackRow.labelling_id == labelling_id, tracks
     )
+    # Not by the store: it would go through all frames of the drive in their order to find those of a few tracks.
+    observations = sorted(plain_rows(session, query), key=lambda row: (row[FRAME_INDEX], row[TRACK_ID]))
     return LabelledFrames(
-        observations,
-        {track_id: TrackPlace(identity_id, camera_id) for track_id, identity_id, camera_id in session.execute(present)},
-        _donors(session, labelling_id, start, stop),
+        [LabelledObservation._make(row) for row in observations],
+        {track_id: TrackPlace(*place) for track_id, *place in plain_rows(session, present)},
+        _donors(session, labelling_id, which),
     )
 
 
-def _donors(session: Session, labelling_id: int, start: int, stop: int) -> dict[tuple[int, int], DonorObservation]:
-    """The donors of the labels of some frames, each once, by track and frame."""
+def _donors(session: Session, labelling_id: int, which: Any) -> dict[tuple[int, int], DonorObservation]:
+    """The donors of the labels of some observations, each once, by track and frame."""
     wanted = (
         select(LabelRow.donor_track_id, LabelRow.donor_frame_index)
         .join(ObservationRow, is_label_of_observation())
-        .where(
-            ObservationRow.labelling_id == labelling_id,
-            ObservationRow.frame_index >= start,
-            ObservationRow.frame_index < stop,
-        )
+        .where(ObservationRow.labelling_id == labelling_id, which)
         .distinct()
         .subquery()
     )

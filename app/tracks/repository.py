@@ -71,12 +71,11 @@ def current_labelling(session: Session, drive_id: int) -> LabellingRow | None:
 
 def is_current(session: Session, labelling_id: int) -> bool:
     """Whether readers see this labelling."""
-    return session.scalars(select(LabellingRow.current).where(LabellingRow.id == labelling_id)).one()
+    return find_labelling(session, labelling_id).current
 
 
 def drive_of_labelling(session: Session, labelling_id: int) -> DriveRow:
-    query = select(DriveRow).join(LabellingRow, LabellingRow.drive_id == DriveRow.id)
-    return session.scalars(query.where(LabellingRow.id == labelling_id)).one()
+    return session.get_one(DriveRow, find_labelling(session, labelling_id).drive_id)
 
 
 def counts_of_drives(session: Session, drive_ids: Sequence[int]) -> dict[int, LabellingCounts]:

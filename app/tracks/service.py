@@ -1,5 +1,8 @@
 """Tracks and observations for the page."""
 
+from collections.abc import Iterable
+from typing import Any
+
 import numpy as np
 from pydantic_core import to_json
 
@@ -8,6 +11,7 @@ from app.drives import repository as drives_repository
 from app.errors import InvalidRequest, NotFound
 from app.tracks import label_repository, repository
 from app.tracks.label_repository import LabelledFrames, LabelledObservation
+from app.tracks.models import LabellingRow
 from app.tracks.runs import score_runs
 
 MAX_FRAMES = 200
@@ -29,20 +33,35 @@ def observations_json(session: Session, drive_id: int, start: int, stop: int) ->
     if drive is None:
         raise NotFound(f"There is no drive {drive_id}. It may have been deleted.")
     labelling = repository.current_labelling(session, drive_id)
-    stop = min(stop, drive.frame_count)
-    frames: dict[int, list[dict[str, object]]] = {index: [] for index in range(start, stop)}
+    frames: dict[int, list[dict[str, object]]] = {index: [] for index in range(start, min(stop, drive.frame_count))}
     if labelling is not None:
         found = label_repository.labelled_frames(session, labelling.id, start, stop)
-        cameras = repository.camera_names(session, drive_id)
-        names = labelling.class_names
-        for row in found.observations:
-            frames[row.frame_index].append(_observation(row, found, cameras, names))
-    return to_json(
-        {
-            "revision": drive.revision,
-            "frames": [{"frame_index": index, "observations": found} for index, found in frames.items()],
-        }
-    )
+        frames |= _by_frame(session, labelling, found)
+    return to_json({"revision": drive.revision, "frames": _listed(frames)})
+
+
+def observations_of_tracks(session: Session, labelling: LabellingRow, track_ids: Iterable[int]) -> list[dict[str, Any]]:
+    """The values of :class:`app.tracks.schemas.FrameObservations` of all frames in which some tracks are, of these
+    tracks only."""
+    ids = sorted(track_ids)
+    frames: dict[int, list[dict[str, object]]] = {}
+    for first in range(0, len(ids), repository.IDS_PER_QUERY):
+        some = label_repository.labelled_tracks(session, labelling.id, ids[first : first + repository.IDS_PER_QUERY])
+        for frame_index, observations in _by_frame(session, labelling, some).items():
+            frames.setdefault(frame_index, []).extend(observations)
+    return _listed(frames)
+
+
+def _by_frame(session: Session, labelling: LabellingRow, found: LabelledFrames) -> dict[int, list[dict[str, object]]]:
+    cameras = repository.camera_names(session, labelling.drive_id)
+    frames: dict[int, list[dict[str, object]]] = {}
+    for row in found.observations:
+        frames.setdefault(row.frame_index, []).append(_observation(row, found, cameras, labelling.class_names))
+    return frames
+
+
+def _listed(frames: dict[int, list[dict[str, object]]]) -> list[dict[str, Any]]:
+    return [{"frame_index": index, "observations": found} for index, found in frames.items()]
 
 
 def tracks_json(session: Session, drive_id: int) -> bytes:
@@ -106,7 +125,7 @@ def _observation(
         "box": (row.x1_px, row.y1_px, row.x2_px, row.y2_px),
         "class_name": names[row.class_id],
         "score": row.score,
-        "filled": row.filled,
+        "filled": bool(row.filled),
         "trust": None if row.trust is None else round(row.trust, TRUST_DIGITS),
         "label": {
             "class_name": names[row.label_class_id],

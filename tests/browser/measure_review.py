@@ -12,6 +12,7 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import re
 import statistics
 import sys
 import tempfile
@@ -36,7 +37,7 @@ LATE_MS = 50.0
 NOTES = """
 window.notes = {frames: [], first: null, answered: 0};
 new PerformanceObserver(() => { notes.answered = performance.now(); }).observe({type: "resource"});
-const painted = (then) => requestAnimationFrame(() => {
+window.painted = (then) => requestAnimationFrame(() => {
   const channel = new MessageChannel();
   channel.port1.onmessage = () => then(performance.now());
   channel.port2.postMessage(null);
@@ -50,11 +51,6 @@ new MutationObserver(() => {
   notes.frames.push(note);
   painted((now) => { note.at = now; notes.first ??= now; });
 }).observe(document, {subtree: true, childList: true, attributes: true, attributeFilter: ["data-frame"]});
-const clear = CanvasRenderingContext2D.prototype.clearRect;
-CanvasRenderingContext2D.prototype.clearRect = function (...rect) {
-  if (this.canvas.parentElement?.tagName === "FIGURE") notes.repainted = performance.now();
-  return clear.apply(this, rect);
-};
 """
 
 GO_TO = """(frame) => {
@@ -94,17 +90,24 @@ SCROLL = """async (seconds) => {
 # The page follows the drive's events for as long as it is open, so Playwright never finds its network idle.
 QUIET = "() => performance.now() - notes.answered > 1000"
 
-# From the key to the first repaint of the boxes after the server's new labels of the frame are here; null where the
-# server refuses the decision.
+# From the key to the screen with the next merge's frame, and the labels that the server made of the decision, in all
+# cameras; and to the server's answer. Null where the server refuses the decision.
 ACCEPT = """async () => {
   performance.clearResourceTimings();
   const begun = performance.now();
   window.dispatchEvent(new KeyboardEvent("keydown", {key: "a", bubbles: true}));
-  const answer = (part) => performance.getEntriesByType("resource").find((one) => one.name.includes(part));
+  const answer = () => performance.getEntriesByType("resource").find((one) => one.name.endsWith("/accept"));
+  const views = [...document.querySelectorAll("figure[data-frame]")];
+  const before = Number(views[0].dataset.revision);
+  const playhead = document.querySelector("[role=slider][aria-label=Frame]");
+  const isNew = (view) =>
+    Number(view.dataset.revision) > before && Number(view.dataset.frame) === playhead.ariaValueNow - 1;
   while (performance.now() - begun < 60000) {
-    if (answer("/accept")?.responseStatus >= 400) return null;
-    const got = answer("/observations");
-    if (answer("/accept") && got && notes.repainted > got.responseEnd) return notes.repainted - begun;
+    if (answer()?.responseStatus >= 400) return null;
+    if (answer() && views.every(isNew)) {
+      const shown = await new Promise(painted);
+      return {shown: shown - begun, answered: answer().responseEnd - begun};
+    }
     await new Promise((go) => setTimeout(go, 2));
   }
   return null;
@@ -133,7 +136,7 @@ def measure(browser: Browser, address: str, *, minutes: float) -> dict[str, Any]
     figures["first_view_ms"] = statistics.median(views)
     say("first useful view", f"{figures['first_view_ms']:.0f} ms (goal 1500)")
     page = open_page(browser, f"{address}?frame={START}")
-    expect(page.get_by_role("img", name="2,000 lanes, one for each identity")).to_be_visible(timeout=SLOW_MS)
+    expect(page.get_by_role("img", name=re.compile("lanes, one for each identity"))).to_be_visible(timeout=SLOW_MS)
     page.wait_for_function(QUIET)
 
     play_to(page, START + WARM_FRAMES)
@@ -155,8 +158,11 @@ def measure(browser: Browser, address: str, *, minutes: float) -> dict[str, Any]
     figures["scroll_fps"] = (len(times) - 1) / (times[-1] - times[0]) * 1000
     say("timeline scroll", f"{figures['scroll_fps']:.0f} frames a second (goal 50)")
 
-    figures["accept_ms"] = statistics.median(accepts(page))
-    say("accept to repainted labels", f"{figures['accept_ms']:.0f} ms (goal 150)")
+    decided = accepts(page)
+    figures["accept_ms"] = statistics.median(one["shown"] for one in decided)
+    figures["accept_answer_ms"] = statistics.median(one["answered"] for one in decided)
+    answered = f"the server's answer after {figures['accept_answer_ms']:.0f} ms"
+    say("accept to repainted labels", f"{figures['accept_ms']:.0f} ms, {answered} (goal 150)")
     if minutes > 0:
         figures["memory"] = memory(page, minutes)
     page.context.close()
@@ -166,7 +172,7 @@ def measure(browser: Browser, address: str, *, minutes: float) -> dict[str, Any]
 def first_view_ms(browser: Browser, address: str) -> float:
     """From the navigation to all cameras with their boxes, in a fresh profile."""
     page = open_page(browser, f"{address}?frame={START}")
-    shown = page.evaluate("notes.first")
+    shown = page.evaluate("() => notes.first")
     page.context.close()
     return shown
 
@@ -196,7 +202,7 @@ def playback(page: Page, start: int) -> dict[str, Any]:
     """How frames came while PLAYED of them were played at the drive's own ten a second."""
     seek(page, start)
     page.wait_for_timeout(1_000)
-    known = page.evaluate("notes.frames.length")
+    known = page.evaluate("() => notes.frames.length")
     play_to(page, start + PLAYED)
     page.wait_for_timeout(300)
     notes: list[dict[str, float]] = page.evaluate("(known) => notes.frames.slice(known)", known)
@@ -210,11 +216,11 @@ def playback(page: Page, start: int) -> dict[str, Any]:
     }
 
 
-def accepts(page: Page) -> list[float]:
+def accepts(page: Page) -> list[dict[str, float]]:
     """Accepts merge after merge with the key, as they are worked through; goes past those that can't be accepted."""
     page.keyboard.press("j")
     page.wait_for_function(QUIET)
-    found: list[float] = []
+    found: list[dict[str, float]] = []
     for _ in range(TRIES):
         taken = page.evaluate(ACCEPT)
         page.wait_for_function(QUIET)

@@ -1726,16 +1726,34 @@ export interface components {
          * MergeChange
          * @description What a decision changed; ``identity_ids`` are the identities that its tracks are in afterwards.
          *
-         *     ``merges`` are the merges of all tracks of these identities, as they are now, this one among them.
+         *     A page that had read everything as it was at ``revision`` - 1 has it as it is now with what is in here.
          */
         MergeChange: {
             merge: components["schemas"]["Merge"];
-            /** Merges */
+            /**
+             * Merges
+             * @description The merges of all tracks of these identities, as they are now, this one among them.
+             */
             merges: components["schemas"]["Merge"][];
             /** Changed Label Count */
             changed_label_count: number;
             /** Identity Ids */
             identity_ids: number[];
+            /**
+             * Identities
+             * @description All that the decision reached, as they are now.
+             */
+            identities: components["schemas"]["Identity"][];
+            /**
+             * Gone Identity Ids
+             * @description Identities whose tracks are in others now.
+             */
+            gone_identity_ids: number[];
+            /**
+             * Observations
+             * @description By frame, those of the tracks that came into another identity or have a label that changed.
+             */
+            observations: components["schemas"]["FrameObservations"][];
             /** Revision */
             revision: number;
         };

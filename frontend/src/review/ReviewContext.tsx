@@ -67,7 +67,11 @@ export function ReviewProvider({ drive, children }: { drive: DriveDetail; childr
 
   // biome-ignore lint/correctness/useExhaustiveDependencies: the drive's counts change all the time; what it is does not.
   useEffect(() => {
-    const made = share(drive, () => void client.invalidateQueries({ queryKey: ["drive", drive.id] }));
+    const made = share(drive, () => {
+      // What this page changes itself is told by the answer.
+      if (client.isMutating({ mutationKey: ["decide", drive.id] }) > 0) return;
+      void client.invalidateQueries({ queryKey: ["drive", drive.id] });
+    });
     const { store, frames } = made;
     frames.begin(store.getState().frame);
     let timer: ReturnType<typeof setTimeout> | undefined;

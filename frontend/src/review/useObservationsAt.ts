@@ -5,14 +5,14 @@ import { useShared } from "./ReviewContext";
 /** The observations of any frame, for crops; undefined while they load, empty if they cannot be had. */
 export function useObservationsAt(frame: number | null): readonly Observation[] | undefined {
   const { observations } = useShared();
-  const generation = useSyncExternalStore(observations.subscribe, observations.currentGeneration);
+  const version = useSyncExternalStore(observations.subscribe, observations.currentVersion);
   const [state, setState] = useState<{ frame: number | null; list: readonly Observation[] }>();
 
-  // biome-ignore lint/correctness/useExhaustiveDependencies: `generation` says when to look again.
+  // biome-ignore lint/correctness/useExhaustiveDependencies: `version` says when to look again.
   useEffect(() => {
     if (frame === null) return;
     let stale = false;
-    observations.ensure(frame).then(
+    observations.ensureAlone(frame).then(
       (list) => {
         if (!stale) setState({ frame, list });
       },
@@ -23,7 +23,7 @@ export function useObservationsAt(frame: number | null): readonly Observation[] 
     return () => {
       stale = true;
     };
-  }, [observations, frame, generation]);
+  }, [observations, frame, version]);
 
   if (frame === null) return undefined;
   return state?.frame === frame ? state.list : observations.get(frame);

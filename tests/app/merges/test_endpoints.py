@@ -1,6 +1,7 @@
 """Merges over HTTP: what a person's decisions do to identities and labels."""
 
 from itertools import permutations
+from typing import Any
 
 import pytest
 
@@ -47,6 +48,33 @@ def test_accepting_joins_identities_and_their_labels(page: Page) -> None:
     assert (identity["track_ids"], identity["observation_count"], identity["propagated_count"]) == ([3, 4], 7, 6)
     assert (identity["first_frame"], identity["last_frame"], identity["donor"]["frame_index"]) == (0, 5, 4)
     assert [found["id"] for found in page.get("identities")] == [1, 3, 5]
+
+
+def test_the_answer_holds_all_that_changed(page: Page) -> None:
+    seen, identities = _observations(page), {one["id"]: one for one in page.get("identities")}
+    decisions = [("accept", 3, 4), ("reject", 1, 2), ("undo", 1, 2), ("undo", 3, 4), ("reject", 1, 2), ("accept", 1, 3)]
+    for decision in decisions:
+        change = page.decide(*decision)
+        patch = {(one["id"]): one for frame in change["observations"] for one in frame["observations"]}
+        seen = {key: patch.get(key, one) for key, one in seen.items()}
+        assert seen == _observations(page)
+        identities |= {one["id"]: one for one in change["identities"]}
+        identities = {key: one for key, one in identities.items() if key not in change["gone_identity_ids"]}
+        assert identities == {one["id"]: one for one in page.get("identities")}
+
+
+def test_the_answer_holds_nothing_of_what_did_not_change(page: Page) -> None:
+    change = page.decide("accept", 3, 4)
+    # labels of 3 keep their class and score, but are more or less likely right now
+    assert {one["track_id"] for frame in change["observations"] for one in frame["observations"]} == {3, 4}
+    assert ([one["id"] for one in change["identities"]], change["gone_identity_ids"]) == ([3], [4])
+    again = page.decide("accept", 3, 4)
+    assert (again["observations"], again["identities"], again["revision"]) == ([], [], change["revision"])
+
+
+def _observations(page: Page) -> dict[int, Any]:
+    frames = page.get("observations", start=0, stop=6)["frames"]
+    return {one["id"]: one for frame in frames for one in frame["observations"]}
 
 
 def test_rejecting_a_merge_of_the_machine_splits_its_identity(page: Page) -> None:

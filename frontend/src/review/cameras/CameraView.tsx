@@ -77,6 +77,7 @@ export const CameraView = memo(function CameraView({ camera, tile, committed, en
       className={classes.view}
       style={{ left: tile.x, top: tile.y, width: tile.width, height: tile.height }}
       data-frame={committed.frame}
+      data-revision={committed.revision}
       data-zoom={view.zoom}
       aria-label={text.cameras.view(camera.name, observations.length)}
     >

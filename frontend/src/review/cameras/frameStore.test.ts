@@ -166,6 +166,7 @@ describe("FrameStore", () => {
 
   it("shows what it fetched ahead at once, and asks for nothing outside the drive", async () => {
     store.request(FRAMES - 2);
+    await labels.finish("98-99", 1);
     await labels.finish("80-100", 1);
     await finishAll((key) => picture(key));
     const asked = pictures.asked.map((key) => Number.parseInt(key, 10));
@@ -178,6 +179,51 @@ describe("FrameStore", () => {
   it("fetches the observations of the block ahead before they are needed", () => {
     store.request(20 - AHEAD);
     expect(labels.asked).toEqual(["0-20", "20-40"]);
+  });
+
+  it("shows the frame that is jumped to with its own labels, ahead of those of its block", async () => {
+    store.request(50);
+    await finishFrame(50);
+    expect(labels.asked).toEqual(["50-51"]);
+    await labels.finish("50-51", 1);
+    expect(shown).toEqual(["50: 50L 50R boxes 50"]);
+    expect(labels.asked).toEqual(["50-51", "40-60"]);
+  });
+
+  it("asks for nothing but what is to be shown while a decision is on its way, and for the rest after it", async () => {
+    store.request(5);
+    store.hold();
+    await labels.finish("0-20", 1);
+    await finishFrame(5);
+    const before = pictures.asked.length;
+    store.request(50);
+    await finishAll((key) => picture(key));
+    expect(pictures.asked.slice(before)).toEqual(["50left", "50right"]);
+    await labels.finish("50-51", 1);
+    expect(shown.at(-1)).toBe("50: 50left 50right boxes 50");
+    expect(labels.running).toEqual([]);
+    store.release();
+    expect(labels.running).toEqual(["40-60"]);
+    expect(pictures.asked.slice(before + 2, before + 4)).toEqual(["51left", "51right"]);
+  });
+
+  it("fetches frames that it is told to expect before those around", async () => {
+    store.request(5);
+    await finishFrame(5);
+    store.expect([80]);
+    await finishAll((key) => picture(key));
+    expect(pictures.asked.indexOf("80left")).toBeLessThan(pictures.asked.indexOf("8left"));
+    expect(labels.asked).toContain("80-81");
+  });
+
+  it("shows what was changed here without asking for it", async () => {
+    store.request(5);
+    await labels.finish("0-20", 1);
+    await finishFrame(5);
+    observations.changedHere(2, [{ frame_index: 5, observations: [observation(5, 7)] }]);
+    store.refreshObservations();
+    expect(store.committed()).toMatchObject({ revision: 2, observations: [{ id: 5, identity_id: 7 }] });
+    expect(labels.asked).toEqual(["0-20"]);
   });
 
   it("shows a frame whose camera has no picture, and one whose picture failed, and tries that one again", async () => {

@@ -6,11 +6,13 @@
  * frames that arrive late still commit as long as nothing requested later has: the pictures follow the hand. Around the
  * requested frame, others are fetched ahead, in the direction of travel. At most `CONCURRENT` pictures load at once,
  * nearest first, and what is no longer near is dropped from the queue.
+ *
+ * While a decision is on its way to the server (`hold`), only what is to be shown now is asked for.
  */
 
 import type { Observation } from "../../api/types";
 import { LeastRecentlyUsed } from "./lru";
-import type { ObservationStore } from "./observationStore";
+import { BLOCK_FRAMES, type ObservationStore } from "./observationStore";
 
 export const AHEAD = 10;
 const BEHIND = 3;
@@ -30,6 +32,8 @@ export interface CommittedFrame<P extends Picture> {
   frame: number;
   pictures: ReadonlyMap<string, CameraPicture<P>>;
   observations: readonly Observation[];
+  /** Of the labels. */
+  revision: number | null;
   /** True where the observations could not be loaded: the pictures are shown without boxes, and it is said. */
   observationsFailed: boolean;
 }
@@ -66,6 +70,9 @@ export class FrameStore<P extends Picture> {
   private readonly pictures: LeastRecentlyUsed<Key, P>;
   private readonly listeners = new Set<() => void>();
   private closed = false;
+  /** Frames that are likely to be asked for next, out of the direction of travel. */
+  private expected: readonly number[] = [];
+  private holds = 0;
 
   constructor(private readonly options: FrameStoreOptions<P>) {
     this.pictures = new LeastRecentlyUsed<Key, P>(
@@ -86,6 +93,7 @@ export class FrameStore<P extends Picture> {
   request(frame: number): void {
     if (this.closed) return;
     this.direction = frame < this.target ? -1 : 1;
+    const jumps = Math.abs(frame - this.target) > BLOCK_FRAMES;
     this.target = frame;
     this.order += 1;
     this.failedObservations.delete(frame);
@@ -94,15 +102,37 @@ export class FrameStore<P extends Picture> {
     }
     this.waiting = [...this.waiting, { order: this.order, frame }].slice(-WAITING_REQUESTS);
     this.plan();
-    this.loadObservations(frame);
+    this.loadObservations(frame, jumps || this.holds > 0);
     this.commitReady();
-    const ahead = frame + this.direction * AHEAD;
-    if (ahead >= 0 && ahead < this.options.frameCount) this.loadObservations(ahead);
+    if (!jumps) this.loadBlockAhead();
   }
 
-  /** The labels changed: show the same pictures with the new ones, once they are here. */
+  /** The labels changed: show the same pictures with the new ones, as soon as they are here. */
   refreshObservations(): void {
-    if (this.committedFrame) this.loadObservations(this.committedFrame.frame, true);
+    if (!this.committedFrame) return;
+    this.replaceObservations(this.committedFrame.frame);
+    this.loadObservations(this.committedFrame.frame, true);
+  }
+
+  /** Fetch these frames too, before those around the one on the screen. */
+  expect(frames: readonly number[]): void {
+    this.expected = frames;
+    if (this.order === 0) return;
+    this.plan();
+    if (this.holds === 0) this.loadExpected();
+  }
+
+  /** Ask for nothing ahead until `release`: the server has something to do that a person waits for. */
+  hold(): void {
+    this.holds += 1;
+  }
+
+  release(): void {
+    this.holds = Math.max(0, this.holds - 1);
+    if (this.holds > 0 || this.closed || this.order === 0) return;
+    this.pump();
+    this.loadObservations(this.target);
+    this.loadExpected();
   }
 
   /** Show the first frame as soon as its own observations are here, ahead of those of its block. */
@@ -139,7 +169,7 @@ export class FrameStore<P extends Picture> {
   }
 
   private plan(): void {
-    const wanted = [this.target, ...this.waiting.map((one) => one.frame).reverse()];
+    const wanted = [this.target, ...this.waiting.map((one) => one.frame).reverse(), ...this.expected];
     for (let step = 1; step <= AHEAD; step += 1) {
       wanted.push(this.target + this.direction * step);
       if (step <= BEHIND) wanted.push(this.target - this.direction * step);
@@ -157,8 +187,9 @@ export class FrameStore<P extends Picture> {
 
   private pump(): void {
     while (this.loading.size < CONCURRENT) {
-      const next = this.queue.shift();
-      if (!next) return;
+      const next = this.queue[0];
+      if (!next || (this.holds > 0 && next.frame !== this.target)) return;
+      this.queue.shift();
       const key = this.keyOf(next.frame, next.camera);
       this.loading.add(key);
       this.options
@@ -182,13 +213,25 @@ export class FrameStore<P extends Picture> {
     }
   }
 
+  private loadExpected(): void {
+    // What can't be had is asked for again when it is to be shown.
+    for (const frame of this.expected) void this.options.observations.ensureAlone(frame).catch(() => undefined);
+  }
+
+  private loadBlockAhead(): void {
+    const ahead = this.target + this.direction * AHEAD;
+    if (this.holds === 0 && ahead >= 0 && ahead < this.options.frameCount) this.loadObservations(ahead);
+  }
+
   /** Loads them by the block; `alone` gets the frame itself first, where a person waits for it. */
   private loadObservations(frame: number, alone = false): void {
     const { observations } = this.options;
     if (observations.isFresh(frame)) return;
     (alone ? observations.ensureAlone(frame) : observations.ensure(frame)).then(
       () => {
-        if (alone && !this.closed) this.loadObservations(frame);
+        // A frame that was left meanwhile needs no block, nor does one while the server is waited for.
+        const stays = frame === this.target || frame === this.committedFrame?.frame;
+        if (alone && stays && this.holds === 0 && !this.closed) this.loadObservations(frame);
         this.failedObservations.delete(frame);
         if (this.closed) return;
         this.commitReady();
@@ -204,9 +247,10 @@ export class FrameStore<P extends Picture> {
   /** Gives the frame on the screen its newest labels. */
   private replaceObservations(frame: number): void {
     const observations = this.options.observations.get(frame);
+    const revision = this.options.observations.revisionOf(frame);
     if (!observations || this.committedFrame?.frame !== frame) return;
-    if (this.committedFrame.observations === observations) return;
-    this.commit({ ...this.committedFrame, observations, observationsFailed: false });
+    if (this.committedFrame.observations === observations && this.committedFrame.revision === revision) return;
+    this.commit({ ...this.committedFrame, observations, revision, observationsFailed: false });
   }
 
   /** Commits the newest request that is complete, and forgets the older ones. */
@@ -225,7 +269,13 @@ export class FrameStore<P extends Picture> {
     }
     this.shownKeys = keys;
     const observations = this.options.observations.get(ready.frame);
-    this.commit({ frame: ready.frame, pictures, observations: observations ?? [], observationsFailed: !observations });
+    this.commit({
+      frame: ready.frame,
+      pictures,
+      observations: observations ?? [],
+      revision: this.options.observations.revisionOf(ready.frame),
+      observationsFailed: !observations,
+    });
   }
 
   private commit(committed: CommittedFrame<P>): void {

@@ -32,6 +32,15 @@ export class LeastRecentlyUsed<K, V> {
     }
   }
 
+  /** All values, from the one that was not used for longest. */
+  values(): V[] {
+    return [...this.entries.values()].map((entry) => entry.value);
+  }
+
+  delete(key: K): void {
+    this.drop(key);
+  }
+
   clear(): void {
     for (const key of [...this.entries.keys()]) this.drop(key);
   }

@@ -70,6 +70,46 @@ describe("ObservationStore", () => {
     expect(asked).toEqual(["25-26", "20-40"]);
   });
 
+  it("patches what this page changed into what it knows, and loads nothing again", async () => {
+    const { store, asked } = serve(60);
+    store.invalidate(1);
+    const [, other] = [await store.ensure(0), await store.ensureAlone(25)];
+    const changed = [
+      { frame_index: 25, observations: [] },
+      { frame_index: 30, observations: [] },
+    ];
+    store.changedHere(2, changed);
+    expect(store.isFresh(0)).toBe(true);
+    expect(store.revisionOf(25)).toBe(2);
+    expect(store.get(25)).not.toBe(other);
+    await store.ensureAlone(25);
+    expect(asked).toEqual(["0-20", "25-26"]);
+  });
+
+  it("patches what was on its way while this page changed it", async () => {
+    const { store, asked } = serve(60);
+    store.invalidate(1);
+    const ensured = store.ensure(0); // the server answers with revision 1
+    store.changedHere(2, []);
+    await ensured;
+    expect(store.isFresh(0)).toBe(true);
+    expect(asked).toHaveLength(1);
+  });
+
+  it("loads anew where somebody else changed something in between, or where nobody says what was changed", async () => {
+    const { store, asked, server } = serve(60);
+    store.invalidate(1);
+    await store.ensure(0);
+    server.revision = 3;
+    store.changedHere(3, []); // 2 was somebody else's
+    expect(store.isFresh(0)).toBe(false);
+    await store.ensure(0);
+    server.revision = 4;
+    store.changedHere(4);
+    await store.ensure(0);
+    expect(asked).toHaveLength(3);
+  });
+
   it("shows a frame's new labels before those of its block", async () => {
     const { store } = serve(60);
     const before = await store.ensure(25);

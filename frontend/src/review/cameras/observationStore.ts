@@ -1,10 +1,12 @@
 /**
  * The observations of a drive by frame, fetched in blocks of frames and kept for as long as their revision holds.
  *
- * The frame that a person waits for may be fetched alone, ahead of its block: it is there many times sooner.
+ * The frame that a person waits for, or of which only a crop is wanted, may be fetched alone: it is there many times
+ * sooner than its block.
  *
- * After a decision the labels change: `invalidate` marks all blocks as old. Old blocks are still served (they show the
- * right boxes of the right frame, with labels of a moment ago) until the new ones are here.
+ * Labels have a revision. What this page changes itself is patched into what is known, and nothing need be loaded
+ * again. What is of an older revision is still served (it shows the right boxes of the right frame, with labels of a
+ * moment ago) until the newest is here.
  */
 
 import type { Observation } from "../../api/types";
@@ -12,28 +14,37 @@ import { LeastRecentlyUsed } from "./lru";
 
 export const BLOCK_FRAMES = 20;
 const BLOCKS_KEPT = 40;
+const ALONE_KEPT = 400;
+const CHANGES_KEPT = 100;
+
+export interface FrameObservations {
+  frame_index: number;
+  observations: Observation[];
+}
 
 export interface ObservationPage {
   revision: number;
-  frames: { frame_index: number; observations: Observation[] }[];
+  frames: FrameObservations[];
 }
 
 export type LoadObservations = (start: number, stop: number) => Promise<ObservationPage>;
 
 interface Block {
-  generation: number;
+  revision: number;
   frames: Map<number, Observation[]>;
 }
 
 export class ObservationStore {
   private readonly blocks = new LeastRecentlyUsed<number, Block>(BLOCKS_KEPT);
   /** Frames that were fetched alone, until their block is here. */
-  private readonly alone = new Map<number, { generation: number; observations: Observation[] }>();
+  private readonly alone = new LeastRecentlyUsed<number, Block>(ALONE_KEPT);
   private readonly inFlight = new Map<string, Promise<void>>();
   private readonly listeners = new Set<() => void>();
-  private generation = 0;
-  private revision: number | null = null;
-  private own = new Set<number>();
+  private revision = 0;
+  private version = 0;
+  private readonly own = new Set<number>();
+  /** What this page changed, by the revision that came of it. */
+  private readonly changes = new LeastRecentlyUsed<number, readonly FrameObservations[]>(CHANGES_KEPT);
 
   constructor(
     private readonly load: LoadObservations,
@@ -44,44 +55,54 @@ export class ObservationStore {
 
   /** What is known of a frame now, maybe of an older revision; undefined if it must be loaded. */
   get(frame: number): Observation[] | undefined {
-    const block = this.blocks.get(blockOf(frame));
-    const single = this.alone.get(frame);
-    if (single && single.generation > (block?.generation ?? -1)) return single.observations;
-    return block?.frames.get(frame);
+    return this.holder(frame)?.frames.get(frame);
   }
 
+  /** The revision of what is known of a frame; null where nothing is. */
+  revisionOf(frame: number): number | null {
+    return this.holder(frame)?.revision ?? null;
+  }
+
+  /** Whether the frame's whole block is here and of the latest revision. */
   isFresh(frame: number): boolean {
-    return this.blocks.get(blockOf(frame))?.generation === this.generation;
+    return (this.blocks.get(blockOf(frame))?.revision ?? -1) >= this.revision;
   }
 
   /** Resolves once the frame's own observations are known and of the latest revision; its block comes later. */
   async ensureAlone(frame: number): Promise<Observation[]> {
-    while (!this.isFresh(frame) && this.alone.get(frame)?.generation !== this.generation) {
-      const generation = this.generation;
-      const page = await this.load(frame, frame + 1);
-      this.hear(page.revision);
-      const observations = page.frames.find((one) => one.frame_index === frame)?.observations ?? [];
-      // An answer that was overtaken by another change is of no use any more.
-      if (generation === this.generation) this.alone.set(frame, { generation, observations });
+    while ((this.revisionOf(frame) ?? -1) < this.revision) {
+      await this.fetch(frame, frame + 1, (page) => {
+        if (!this.isFresh(frame)) this.alone.set(frame, page);
+      });
     }
     return this.get(frame) ?? [];
   }
 
-  /** Resolves once the frame's observations are known and of the latest revision. */
+  /** Resolves once the frame's observations are known and of the latest revision, and those of its block. */
   async ensure(frame: number): Promise<Observation[]> {
-    while (!this.isFresh(frame)) await this.fetchBlock(blockOf(frame));
+    const block = blockOf(frame);
+    const start = block * BLOCK_FRAMES;
+    while (!this.isFresh(frame)) {
+      await this.fetch(start, Math.min(start + BLOCK_FRAMES, this.frameCount), (page) => this.keepBlock(block, page));
+    }
     return this.get(frame) ?? [];
   }
 
-  /** The revision of the labels that is known; null before the first. */
-  knownRevision(): number | null {
+  /** The latest revision of the labels that is known. */
+  knownRevision(): number {
     return this.revision;
   }
 
-  /** A change that this page made itself. */
-  changedHere(revision: number): void {
+  /**
+   * A change that this page made itself. `frames` are all observations that it changed, as they are now; without them,
+   * everything is loaded anew.
+   */
+  changedHere(revision: number, frames?: readonly FrameObservations[]): void {
     this.own.add(revision);
-    this.invalidate(revision);
+    if (frames) this.changes.set(revision, frames);
+    this.revision = Math.max(this.revision, revision);
+    for (const block of [...this.blocks.values(), ...this.alone.values()]) this.bringUp(block);
+    this.notify();
   }
 
   wasChangedHere(revision: number): boolean {
@@ -89,44 +110,61 @@ export class ObservationStore {
   }
 
   isOlderThan(revision: number): boolean {
-    return this.revision !== null && this.revision < revision;
+    return this.revision < revision;
   }
 
   /** The labels changed: load anew what is asked for from now on. */
   invalidate(revision: number): void {
-    this.revision = revision;
-    this.generation += 1;
-    for (const listener of this.listeners) listener();
+    this.revision = Math.max(this.revision, revision);
+    this.notify();
   }
 
-  /** Grows whenever labels changed, and what was read before is old. */
-  currentGeneration = (): number => this.generation;
+  /** Grows whenever labels changed, and what was read before may be old. */
+  currentVersion = (): number => this.version;
 
   subscribe = (listener: () => void): (() => void) => {
     this.listeners.add(listener);
     return () => this.listeners.delete(listener);
   };
 
-  private fetchBlock(block: number): Promise<void> {
-    const generation = this.generation;
-    const key = `${block}/${generation}`;
+  private notify(): void {
+    this.version += 1;
+    for (const listener of this.listeners) listener();
+  }
+
+  /** Where the newest of what is known of a frame is; the block where both are as new. */
+  private holder(frame: number): Block | undefined {
+    const block = this.blocks.get(blockOf(frame));
+    const single = this.alone.get(frame);
+    return single && single.revision > (block?.revision ?? -1) ? single : block;
+  }
+
+  private keepBlock(index: number, block: Block): void {
+    const known = this.blocks.get(index);
+    if (known && known.revision > block.revision) return;
+    for (const frame of block.frames.keys()) {
+      // What is on the screen already stays the same object: nothing is painted twice.
+      const single = this.alone.get(frame);
+      if (single?.revision === block.revision) block.frames.set(frame, single.frames.get(frame) as Observation[]);
+      this.alone.delete(frame);
+    }
+    this.blocks.set(index, block);
+  }
+
+  private fetch(start: number, stop: number, keep: (page: Block) => void): Promise<void> {
+    const known = this.revision;
+    const key = `${start}/${stop}/${known}`;
     const running = this.inFlight.get(key);
     if (running) return running;
-    const start = block * BLOCK_FRAMES;
-    const stop = Math.min(start + BLOCK_FRAMES, this.frameCount);
     const promise = this.load(start, stop)
       .then((page) => {
-        const known = this.blocks.get(block);
-        if (known && known.generation > generation) return;
         const frames = new Map<number, Observation[]>();
         for (let frame = start; frame < stop; frame += 1) frames.set(frame, []);
-        for (const one of page.frames) {
-          // What is on the screen already stays the same object: nothing is painted twice.
-          const single = this.alone.get(one.frame_index);
-          frames.set(one.frame_index, single?.generation === generation ? single.observations : one.observations);
-        }
-        this.blocks.set(block, { generation, frames });
-        for (const frame of frames.keys()) this.alone.delete(frame);
+        for (const one of page.frames) frames.set(one.frame_index, one.observations);
+        // The server can't know less than it had told before this was asked.
+        const block = { revision: Math.max(page.revision, known), frames };
+        this.bringUp(block);
+        keep(block);
         this.hear(page.revision);
       })
       .finally(() => this.inFlight.delete(key));
@@ -134,10 +172,28 @@ export class ObservationStore {
     return promise;
   }
 
+  /** Patches into a block what this page changed since, up to the first change that it does not know. */
+  private bringUp(block: Block): void {
+    while (block.revision < this.revision) {
+      const change = this.changes.get(block.revision + 1);
+      if (!change) return;
+      for (const { frame_index: frame, observations } of change) {
+        const before = block.frames.get(frame);
+        if (!before) continue;
+        const now = new Map(observations.map((one) => [one.id, one]));
+        block.frames.set(
+          frame,
+          before.map((one) => now.get(one.id) ?? one),
+        );
+      }
+      block.revision += 1;
+    }
+  }
+
   private hear(revision: number): void {
-    const newer = this.revision !== null && revision > this.revision;
-    this.revision = Math.max(this.revision ?? revision, revision);
-    if (newer) this.onNewRevision(revision);
+    if (revision <= this.revision) return;
+    this.revision = revision;
+    this.onNewRevision(revision);
   }
 }
 

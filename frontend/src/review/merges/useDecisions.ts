@@ -4,11 +4,13 @@ import { type QueryClient, useMutation, useQuery, useQueryClient } from "@tansta
 import { useCallback, useMemo } from "react";
 import { create } from "zustand";
 import { ApiError, api, messageOf, unwrap } from "../../api/client";
-import { mergesKey, mergesQuery } from "../../api/queries";
+import { identitiesQuery, mergesKey, mergesQuery, tracksQuery } from "../../api/queries";
 import type { Merge, MergeState } from "../../api/types";
 import { text } from "../../strings";
+import type { FrameObservations } from "../cameras/observationStore";
 import { useShared } from "../ReviewContext";
 import { afterDecision, bestFrame, mergesOf } from "./order";
+import { type Changed, patchIdentities, patchTracks } from "./patchLists";
 
 export type Decision = "accept" | "reject" | "unsure" | "undo";
 
@@ -57,6 +59,13 @@ function post(decision: Decision, mergeId: number, revision: number | null) {
   return unwrap(api.POST("/api/merges/{merge_id}/undo", at));
 }
 
+interface Asked {
+  merge: Merge;
+  decision: Decision;
+  /** The revision that the page showed, where it was sent at once. */
+  sent?: { revision: number; answer: ReturnType<typeof post> };
+}
+
 export function useMerges(): readonly Merge[] {
   const { driveId } = useShared();
   return useQuery(mergesQuery(driveId)).data ?? [];
@@ -65,7 +74,7 @@ export function useMerges(): readonly Merge[] {
 export function useDecisions() {
   const { driveId, store, frames, observations } = useShared();
   const client = useQueryClient();
-  const key = mergesKey(driveId);
+  const key = useMemo(() => mergesKey(driveId), [driveId]);
   const mutationKey = useMemo(() => ["decide", driveId], [driveId]);
 
   const open = useCallback(
@@ -73,13 +82,38 @@ export function useDecisions() {
       // The queue shows crops: the cameras go to the frame when they are shown again.
       const frame = store.getState().view === "queue" ? null : bestFrame(merge);
       store.getState().selectMerge(merge.id, [merge.identity_a, merge.identity_b], frame);
+      if (frame === null) return;
+      const following = afterDecision(mergesOf(client.getQueryData<Merge[]>(key) ?? [], merge.state), merge.id);
+      const next = following && bestFrame(following);
+      frames.expect(next === null ? [] : [next]);
     },
-    [store],
+    [store, frames, client, key],
   );
 
   const replace = (...merges: Merge[]) => {
     const now = new Map(merges.map((merge) => [merge.id, merge]));
     client.setQueryData<Merge[]>(key, (all) => all?.map((one) => now.get(one.id) ?? one));
+  };
+
+  /** Puts what changed into the lists, where they are here; a list that is on its way is asked for anew. */
+  const takeOver = (change: Changed) => {
+    const { queryKey: identitiesKey } = identitiesQuery(driveId);
+    const { queryKey: tracksKey } = tracksQuery(driveId);
+    client.setQueryData(identitiesKey, (all) => all && patchIdentities(all, change));
+    client.setQueryData(tracksKey, (all) => all && patchTracks(all, change));
+    for (const queryKey of [identitiesKey, tracksKey]) {
+      if (client.isFetching({ queryKey }) > 0) void client.invalidateQueries({ queryKey });
+    }
+  };
+
+  /** Sends a decision at once where no other is on its way: the server works on it while the page is painted. */
+  const send = (merge: Merge, decision: Decision) => {
+    frames.hold();
+    if (client.isMutating({ mutationKey }) > 0) mutate({ merge, decision });
+    else {
+      const revision = observations.knownRevision();
+      mutate({ merge, decision, sent: { revision, answer: post(decision, merge.id, revision) } });
+    }
   };
 
   const forget = (id: number) => {
@@ -90,14 +124,23 @@ export function useDecisions() {
   const { mutate } = useMutation({
     mutationKey,
     scope: { id: `decide-${driveId}` },
-    mutationFn: ({ merge, decision }: { merge: Merge; decision: Decision }) =>
-      post(decision, merge.id, observations.knownRevision()),
-    onSuccess: (change, { decision }) => {
+    mutationFn: async ({ merge, decision, sent }: Asked) => {
+      const seen = sent?.revision ?? observations.knownRevision();
+      return { seen, change: await (sent?.answer ?? post(decision, merge.id, seen)) };
+    },
+    onSuccess: ({ seen, change }, { decision }) => {
+      // Where somebody else changed something meanwhile, what came with the answer is not all.
+      const whole = change.revision <= seen + 1;
+      if (change.revision > seen) {
+        // openapi-fetch forgets that a box has exactly four numbers.
+        observations.changedHere(change.revision, whole ? (change.observations as FrameObservations[]) : undefined);
+        frames.refreshObservations();
+      }
       // What others are on their way with is not undone by what the server knew before it.
       const waiting = new Set(pendingMerges(client, mutationKey));
       replace(...change.merges.filter((merge) => merge.id === change.merge.id || !waiting.has(merge.id)));
-      observations.changedHere(change.revision);
-      frames.refreshObservations();
+      if (whole) takeOver(change);
+      else void client.invalidateQueries({ queryKey: ["drive", driveId] });
       const { mergeId, select } = store.getState();
       if (decision === "undo") {
         forget(change.merge.id);
@@ -112,11 +155,12 @@ export function useDecisions() {
       open(merge);
     },
     onSettled: async (_, error) => {
+      frames.release();
       // Others may be on their way: the last one asks for the whole truth, or it would undo what they show.
       if (client.isMutating({ mutationKey }) !== 1) return;
       void client.invalidateQueries({ queryKey: ["drive", driveId, "looks"], refetchType: "none" });
-      // Merges came with the answer; lists that nobody looks at are loaded when somebody does.
-      const parts = [["tracks"], ["identities"], ...(error ? [["merges"]] : [])];
+      // What changed came with the answer; only counts are missing.
+      const parts = error ? [["tracks"], ["identities"], ["merges"]] : [];
       await Promise.all([
         client.invalidateQueries({ queryKey: ["drive", driveId], exact: true }),
         ...parts.map((part) => client.invalidateQueries({ queryKey: ["drive", driveId, ...part] })),
@@ -128,13 +172,14 @@ export function useDecisions() {
   const decide = (merge: Merge, decision: Decision, next?: Merge) => {
     useRefusals.getState().set(merge.id, null);
     if (decision === "undo") {
-      if (merge.decided_by === "person") mutate({ merge, decision });
+      if (merge.decided_by === "person") send(merge, decision);
       return;
     }
     if (merge.state === STATE_AFTER[decision] && merge.decided_by === "person") {
       if (next) open(next); // said before
       return;
     }
+    send(merge, decision);
     void client.cancelQueries({ queryKey: key });
     forget(merge.id);
     store.getState().setDecided([...store.getState().decided, merge.id]);
@@ -145,7 +190,6 @@ export function useDecisions() {
       if (following) open(following);
       else store.setState({ mergeId: null });
     }
-    mutate({ merge, decision });
   };
 
   /** Undoes the open merge if a person decided it, otherwise the latest decision of this visit. */
