@@ -1,4 +1,4 @@
-"""Facts about identities that follow from their 3D boxes: distances, and physics checks that fail.
+"""Facts about identities that follow from their boxes: distances, physics checks that fail, and purity.
 
 They are worked out when they are asked for. What an identity is made of seldom changes, so what was worked out is kept,
 and after a decision only the identities that it changed are looked at again.
@@ -6,7 +6,7 @@ and after a decision only the identities that it changed are looked at again.
 
 import threading
 from collections import OrderedDict
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 
@@ -20,6 +20,7 @@ from app.tracks.repository import TrackFacts
 
 KEPT_LABELLINGS = 4
 TRACKS_AT_ONCE = 2_000
+PURITY_DIGITS = 3
 
 Parts = tuple[tuple[int, int, int, int], ...]
 """What an identity is made of: id, first and last frame and number of boxes of each track; the class beside it."""
@@ -27,11 +28,15 @@ Parts = tuple[tuple[int, int, int, int], ...]
 
 @dataclass(frozen=True)
 class Facts:
-    """``nearest_m`` and ``farthest_m`` are distances from the car, None without 3D boxes."""
+    """``nearest_m`` and ``farthest_m`` are distances from the car, None without 3D boxes.
+
+    ``purity`` is the share of boxes that show the object that their track is of, as far as the tracker can judge: the
+    mean trust in the boxes; None where none was judged."""
 
     nearest_m: float | None
     farthest_m: float | None
     failed: tuple[Failure, ...]
+    purity: float | None
 
 
 @dataclass
@@ -99,11 +104,18 @@ def _facts(
 ) -> Iterable[tuple[int, Facts]]:
     track_ids = [track.track_id for tracks in members.values() for track in tracks]
     ways = paths_of_tracks(session, labelling.drive_id, labelling.id, track_ids)
+    trust = repository.trust_of_tracks(session, labelling.id, track_ids)
     for identity_id, tracks in members.items():
         paths = [ways[track.track_id] for track in tracks if track.track_id in ways]
         name = labelling.class_names[classes[identity_id]]
         failed = failures(paths, name, _shared_frame(session, labelling.id, tracks))
-        yield identity_id, Facts(*distances_m(paths), tuple(failed))
+        judged = [trust[track.track_id] for track in tracks if track.track_id in trust]
+        yield identity_id, Facts(*distances_m(paths), tuple(failed), _purity(judged))
+
+
+def _purity(judged: Sequence[tuple[float, int]]) -> float | None:
+    boxes = sum(count for _, count in judged)
+    return round(sum(total for total, _ in judged) / boxes, PURITY_DIGITS) if boxes else None
 
 
 def _shared_frame(session: Session, labelling_id: int, tracks: list[TrackFacts]) -> int | None:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from sqlalchemy import and_, select
+from sqlalchemy import and_, func, select
 from sqlalchemy.orm import Session
 
 from app.drives.models import FrameRow
@@ -82,6 +82,21 @@ def boxes_of_tracks(session: Session, labelling_id: int, track_ids: Sequence[int
     found: list[BoxOfTrack] = []
     for start in range(0, len(ids), IDS_PER_QUERY):
         found += plain_rows(session, query.where(Box3DRow.track_id.in_(ids[start : start + IDS_PER_QUERY])))
+    return found
+
+
+def trust_of_tracks(session: Session, labelling_id: int, track_ids: Sequence[int]) -> dict[int, tuple[float, int]]:
+    """The sum of the trust in the boxes of some tracks, and how many boxes were judged; by track that has any."""
+    query = (
+        select(ObservationRow.track_id, func.sum(ObservationRow.trust), func.count(ObservationRow.trust))
+        .where(ObservationRow.labelling_id == labelling_id, ObservationRow.trust.is_not(None))
+        .group_by(ObservationRow.track_id)
+    )
+    ids = sorted(track_ids)
+    found: dict[int, tuple[float, int]] = {}
+    for start in range(0, len(ids), IDS_PER_QUERY):
+        some = query.where(ObservationRow.track_id.in_(ids[start : start + IDS_PER_QUERY]))
+        found |= {track_id: (total, count) for track_id, total, count in plain_rows(session, some)}
     return found
 
 

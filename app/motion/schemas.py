@@ -1,6 +1,6 @@
 """What the page learns about how objects move."""
 
-from pydantic import BaseModel
+from pydantic import BaseModel, Field
 
 from app.motion.checks import Check
 
@@ -22,9 +22,13 @@ class ObservationDistance(BaseModel):
 
 
 class IdentityFacts(BaseModel):
-    """What follows from an identity's 3D boxes; distances are from the car, null without 3D boxes."""
+    """What follows from an identity's boxes; distances are from the car, null without 3D boxes."""
 
     identity_id: int
     nearest_m: float | None
     farthest_m: float | None
+    purity: float | None = Field(
+        description="The share of its boxes that show the object that their track is of, as far as the tracker can "
+        "judge; null where no box was judged."
+    )
     failed: list[FailedCheck]

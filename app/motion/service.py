@@ -22,6 +22,7 @@ def list_facts(session: Session, cache: FactsCache, drive_id: int) -> list[Ident
             identity_id=identity_id,
             nearest_m=facts.nearest_m,
             farthest_m=facts.farthest_m,
+            purity=facts.purity,
             failed=[FailedCheck(**asdict(failure)) for failure in facts.failed],
         )
         for identity_id, facts in sorted(cache.facts_of(session, labelling).items())

@@ -1434,7 +1434,7 @@ export interface components {
         };
         /**
          * IdentityFacts
-         * @description What follows from an identity's 3D boxes; distances are from the car, null without 3D boxes.
+         * @description What follows from an identity's boxes; distances are from the car, null without 3D boxes.
          */
         IdentityFacts: {
             /** Identity Id */
@@ -1443,6 +1443,11 @@ export interface components {
             nearest_m: number | null;
             /** Farthest M */
             farthest_m: number | null;
+            /**
+             * Purity
+             * @description The share of its boxes that show the object that their track is of, as far as the tracker can judge; null where no box was judged.
+             */
+            purity: number | null;
             /** Failed */
             failed: components["schemas"]["FailedCheck"][];
         };

@@ -13,7 +13,7 @@ def test_distances_of_identities(page: Page) -> None:
     facts = {one["identity_id"]: one for one in page.get("facts")}
     assert sorted(facts) == [1, 3, 4, 5]  # 1 and 2 are one
     # 12 m ahead, .5 m to the left, in every frame
-    assert facts[1] == {"identity_id": 1, "nearest_m": 12.0, "farthest_m": 12.0, "failed": []}
+    assert facts[1] == {"identity_id": 1, "nearest_m": 12.0, "farthest_m": 12.0, "purity": 0.95, "failed": []}
     assert (facts[3]["nearest_m"], facts[3]["farthest_m"]) == (None, None)
 
 

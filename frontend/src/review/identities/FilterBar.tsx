@@ -104,6 +104,16 @@ function Parts({ filter, change, classNames }: PartsProps) {
         step={5}
         onChange={(minLength, maxLength) => change({ minLength, maxLength })}
       />
+      <Range
+        label={words.purity}
+        hint={words.purityHint}
+        least={filter.minPurity}
+        most={filter.maxPurity}
+        max={1}
+        step={0.05}
+        decimals={2}
+        onChange={(minPurity, maxPurity) => change({ minPurity, maxPurity })}
+      />
       <Select
         {...choice}
         label={words.provenance}
@@ -137,6 +147,7 @@ function Parts({ filter, change, classNames }: PartsProps) {
 
 interface RangeProps {
   label: string;
+  hint?: string;
   least: number | null;
   most: number | null;
   max?: number;
@@ -145,12 +156,12 @@ interface RangeProps {
   onChange: (least: number | null, most: number | null) => void;
 }
 
-function Range({ label, least, most, max, step, decimals = 0, onChange }: RangeProps) {
+function Range({ label, hint, least, most, max, step, decimals = 0, onChange }: RangeProps) {
   const number = (value: string | number) => (typeof value === "number" ? value : null);
   const shared = { size: "xs", min: 0, step, decimalScale: decimals, hideControls: true, ...(max && { max }) } as const;
   return (
     <fieldset className={classes.range}>
-      <legend>{label}</legend>
+      <legend title={hint}>{label}</legend>
       <NumberInput
         {...shared}
         aria-label={words.least(label)}

@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
-import type { IdentityFacts } from "../../api/types";
-import { type Findable, type IdentityFilter, matches, NO_FILTER, partsOf, readFilter, writeFilter } from "./filter";
+import type { Identity, IdentityFacts } from "../../api/types";
+import { type IdentityFilter, matches, NO_FILTER, partsOf, readFilter, writeFilter } from "./filter";
 
 const car = {
   id: 7,
@@ -10,11 +10,12 @@ const car = {
   first_frame: 10,
   last_frame: 19,
   propagated_count: 3,
-} as Findable;
+} as Identity;
 const facts: IdentityFacts = {
   identity_id: 7,
   nearest_m: 8,
   farthest_m: 40,
+  purity: 0.8,
   failed: [{ check: "speed", value: 90, unit: "m/s", frame_index: 12 }],
 };
 
@@ -39,7 +40,8 @@ describe("looking for identities", () => {
     [{ fails: "speed" }, true],
     [{ fails: "any" }, true],
     [{ fails: "yaw" }, false],
-    [{ maxPurity: 0.9 }, false], // its purity is not known
+    [{ maxPurity: 0.9 }, true], // four of five boxes are of it
+    [{ minPurity: 0.9 }, false],
     [{ text: "CAR front" }, true],
     [{ text: "car rear" }, false],
     [{ text: "#7" }, true],
@@ -49,9 +51,11 @@ describe("looking for identities", () => {
     expect(matches({ ...NO_FILTER, ...part }, car, facts)).toBe(found);
   });
 
-  it("knows what was reviewed and what is not pure, once that is told", () => {
-    const told = { ...car, mark: "reviewed" as const, purity: 0.6 };
-    expect(matches({ ...NO_FILTER, reviewed: "yes", maxPurity: 0.7 }, told, facts)).toBe(true);
+  it("knows what was reviewed, and finds nothing by a purity that is not known", () => {
+    expect(matches({ ...NO_FILTER, reviewed: "yes" }, { ...car, mark: "reviewed" as const }, facts)).toBe(true);
+    for (const unknown of [undefined, { ...facts, purity: null }]) {
+      expect(matches({ ...NO_FILTER, maxPurity: 1 }, car, unknown)).toBe(false);
+    }
   });
 
   it("does not find by distance or checks what has no 3D box", () => {

@@ -20,6 +20,7 @@ export interface IdentityFilter {
   provenance: Provenance | null;
   /** "yes": a person looked at it; "no": nobody did. */
   reviewed: "yes" | "no" | null;
+  minPurity: number | null;
   maxPurity: number | null;
   /** "any" or one of the physics checks. */
   fails: CheckName | "any" | null;
@@ -37,14 +38,12 @@ export const NO_FILTER: IdentityFilter = {
   maxLength: null,
   provenance: null,
   reviewed: null,
+  minPurity: null,
   maxPurity: null,
   fails: null,
 };
 
-/** What of an identity a filter looks at; a mark and a purity are there once the server tells them. */
-export type Findable = Identity & { mark?: string | null; purity?: number | null };
-
-export function isReviewed(identity: Findable): boolean {
+export function isReviewed(identity: Identity): boolean {
   return identity.mark === "reviewed" || identity.mark === "ignored";
 }
 
@@ -57,7 +56,7 @@ export function lengthOf(identity: Identity): number {
  * Whether an identity is looked for. What is not known (no 3D box, no purity) does not match where it is asked about.
  * Words of the text must each be found, in the number (#7), the class or a camera.
  */
-export function matches(filter: IdentityFilter, identity: Findable, facts: IdentityFacts | undefined): boolean {
+export function matches(filter: IdentityFilter, identity: Identity, facts: IdentityFacts | undefined): boolean {
   const { fails } = filter;
   return (
     (filter.className === null || identity.class_name === filter.className) &&
@@ -70,7 +69,7 @@ export function matches(filter: IdentityFilter, identity: Findable, facts: Ident
     (filter.provenance === null ||
       (filter.provenance === "propagated" ? identity.propagated_count > 0 : identity.propagated_count === 0)) &&
     (filter.reviewed === null || isReviewed(identity) === (filter.reviewed === "yes")) &&
-    (filter.maxPurity === null || (identity.purity != null && identity.purity <= filter.maxPurity)) &&
+    within(facts?.purity ?? null, filter.minPurity, filter.maxPurity) &&
     (fails === null || (facts?.failed.some((failed) => fails === "any" || failed.check === fails) ?? false)) &&
     hasWords(identity, filter.text)
   );
@@ -101,6 +100,7 @@ const NUMBERS = [
   "maxDistance",
   "minLength",
   "maxLength",
+  "minPurity",
   "maxPurity",
 ] as const satisfies readonly (keyof IdentityFilter)[];
 

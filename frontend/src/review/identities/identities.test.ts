@@ -13,9 +13,9 @@ const all = [
 ];
 const failed = { check: "speed", value: 90, unit: "m/s", frame_index: 1 } as const;
 const facts = new Map([
-  [1, { identity_id: 1, nearest_m: 9, farthest_m: 60, failed: [] }],
-  [2, { identity_id: 2, nearest_m: null, farthest_m: null, failed: [] }],
-  [3, { identity_id: 3, nearest_m: 4, farthest_m: 30, failed: [failed] }],
+  [1, { identity_id: 1, nearest_m: 9, farthest_m: 60, purity: 0.9, failed: [] }],
+  [2, { identity_id: 2, nearest_m: null, farthest_m: null, purity: null, failed: [] }],
+  [3, { identity_id: 3, nearest_m: 4, farthest_m: 30, purity: 0.4, failed: [failed] }],
 ]);
 
 describe("sortIdentities", () => {
@@ -29,6 +29,7 @@ describe("sortIdentities", () => {
     ["near", [3, 1, 2]], // the distance of 2 is not known: it comes last
     ["far", [1, 3, 2]],
     ["failed", [3, 1, 2]],
+    ["purity_low", [3, 1, 2]],
   ] as const)("by %s", (by, ids) => {
     expect(sortIdentities(all, by, facts).map((one) => one.id)).toEqual(ids);
   });

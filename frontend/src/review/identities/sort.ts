@@ -10,6 +10,7 @@ export const SORTS = [
   "near",
   "far",
   "failed",
+  "purity_low",
   "class",
 ] as const;
 export type IdentitySort = (typeof SORTS)[number];
@@ -29,6 +30,7 @@ const KEY: Record<
   near: (_, facts) => (facts?.nearest_m == null ? null : -facts.nearest_m),
   far: (_, facts) => facts?.farthest_m ?? null,
   failed: (_, facts) => facts?.failed.length ?? null,
+  purity_low: (_, facts) => (facts?.purity == null ? null : -facts.purity),
 };
 
 /** Identities in order; equal ones by id, so that the order never jumps. */
