@@ -1,3 +1,4 @@
+import "./early";
 import "@fontsource-variable/inter/wght.css";
 import "@mantine/core/styles.css";
 import "./app/styles.css";

@@ -3,12 +3,12 @@ import { QueryClientProvider } from "@tanstack/react-query";
 import { lazy, Suspense } from "react";
 import { Link, Route, Switch } from "wouter";
 import { queryClient } from "../api/queries";
-import { DrivesPage } from "../drives/DrivesPage";
 import { text } from "../strings";
 import { ConnectionBanner } from "./ConnectionBanner";
 import { CrashBoundary } from "./CrashBoundary";
 import { theme } from "./theme";
 
+const DrivesPage = lazy(() => import("../drives/DrivesPage").then((module) => ({ default: module.DrivesPage })));
 const EvaluationPage = lazy(() =>
   import("../evaluation/EvaluationPage").then((module) => ({ default: module.EvaluationPage })),
 );
@@ -22,7 +22,11 @@ export function App() {
         <ConnectionBanner />
         <CrashBoundary>
           <Switch>
-            <Route path="/" component={DrivesPage} />
+            <Route path="/">
+              <Suspense fallback={null}>
+                <DrivesPage />
+              </Suspense>
+            </Route>
             <Route path="/drives/:id">
               {({ id }) => (
                 <Suspense fallback={null}>

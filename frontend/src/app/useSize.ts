@@ -7,6 +7,7 @@ export function useSize<E extends Element>(): [RefCallback<E>, { width: number; 
   const ref = useCallback((element: E | null) => {
     observer.current?.disconnect();
     if (!element) return;
+    setSize({ width: element.clientWidth, height: element.clientHeight });
     observer.current = new ResizeObserver(([entry]) => {
       if (entry) setSize({ width: entry.contentRect.width, height: entry.contentRect.height });
     });

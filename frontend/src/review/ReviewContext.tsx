@@ -5,6 +5,7 @@ import { createContext, type ReactNode, useContext, useEffect, useState, useSync
 import { useStore } from "zustand";
 import { api, unwrap } from "../api/client";
 import type { DriveDetail } from "../api/types";
+import { firstWidths } from "./cameras/firstWidths";
 import { type CommittedFrame, FrameStore } from "./cameras/frameStore";
 import { type ObservationPage, ObservationStore } from "./cameras/observationStore";
 import { CropStore, loadPicture } from "./cameras/pictures";
@@ -44,6 +45,7 @@ function share(drive: DriveDetail, onNewRevision: () => void): Shared {
     onNewRevision,
   );
   observations.invalidate(drive.revision);
+  for (const [camera, width] of firstWidths(drive)) pictureWidths.set(camera, width);
   const frames = new FrameStore<ImageBitmap>({
     cameras: drive.camera_names,
     frameCount: drive.frame_count,

@@ -1,7 +1,7 @@
 import { ActionIcon, Button, Center, Loader, Text, Tooltip } from "@mantine/core";
 import { IconChartLine, IconCube3dSphere, IconGitMerge, IconHistory, IconKeyboard } from "@tabler/icons-react";
 import { useQuery } from "@tanstack/react-query";
-import { lazy, Suspense, useCallback, useEffect, useState } from "react";
+import { lazy, Suspense, useCallback, useDeferredValue, useEffect, useState, useSyncExternalStore } from "react";
 import { Link } from "wouter";
 import { messageOf } from "../api/client";
 import { driveQuery } from "../api/queries";
@@ -78,6 +78,7 @@ function Review({ drive }: { drive: DriveDetail }) {
   const showMerges = useCallback((state: MergeState) => setMergesShown(state), []);
   const { store } = useShared();
   const view = useReview((state) => state.view);
+  const whole = useWhole();
   usePlayback();
   useEffect(() => {
     document.title = `${drive.name} · ${text.app.name}`;
@@ -129,7 +130,7 @@ function Review({ drive }: { drive: DriveDetail }) {
           <main className={classes.main}>
             <DrawBar />
             <CameraGrid />
-            <Timeline />
+            <Timeline whole={whole} />
           </main>
           <aside className={classes.side} style={{ width: panelWidth }}>
             <Splitter
@@ -140,7 +141,11 @@ function Review({ drive }: { drive: DriveDetail }) {
               onChange={setPanelWidth}
             />
             <div className={classes.panels}>
-              <SidePanel width={panelWidth} mergesShown={mergesShown} onShowMerges={showMerges} />
+              {whole ? (
+                <SidePanel width={panelWidth} mergesShown={mergesShown} onShowMerges={showMerges} />
+              ) : (
+                <div className={classes.waiting} />
+              )}
               {sceneOpen && (
                 <>
                   <Splitter
@@ -150,7 +155,11 @@ function Review({ drive }: { drive: DriveDetail }) {
                     {...SCENE}
                     onChange={setSceneHeight}
                   />
-                  <SceneView height={sceneHeight} onClose={() => setSceneOpen(false)} />
+                  {whole ? (
+                    <SceneView height={sceneHeight} onClose={() => setSceneOpen(false)} />
+                  ) : (
+                    <div style={{ height: sceneHeight }} />
+                  )}
                 </>
               )}
             </div>
@@ -162,6 +171,23 @@ function Review({ drive }: { drive: DriveDetail }) {
       <KeyHelp opened={helpOpen} onClose={() => setHelpOpen(false)} />
     </div>
   );
+}
+
+const FIRST_FRAME_MS = 2_000;
+
+/**
+ * Whether to make the parts around the cameras: pictures come first, and what takes longer to make and to load after
+ * them, or when they keep a person waiting.
+ */
+function useWhole(): boolean {
+  const { frames } = useShared();
+  const shown = useSyncExternalStore(frames.subscribe, () => frames.committed() !== null);
+  const [late, setLate] = useState(false);
+  useEffect(() => {
+    const timer = setTimeout(() => setLate(true), FIRST_FRAME_MS);
+    return () => clearTimeout(timer);
+  }, []);
+  return useDeferredValue(shown || late, false);
 }
 
 interface ActionsProps {

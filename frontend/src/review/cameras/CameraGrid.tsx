@@ -83,7 +83,7 @@ export function CameraGrid() {
 
 /** Asks for pictures as large as they are shown. What grows is asked for anew; what shrinks keeps what it has. */
 function usePictureWidths(tiles: readonly Tile[]): void {
-  const { drive, store, frames, pictureWidths, views } = useShared();
+  const { drive, frames, pictureWidths, views } = useShared();
   const zooms = useStore(views, (state) => state.views);
   useEffect(() => {
     if (tiles.length === 0) return;
@@ -98,16 +98,11 @@ function usePictureWidths(tiles: readonly Tile[]): void {
         pictureWidths.set(tile.camera, wanted);
       }
       if (!grown) return;
-      if (frames.committed()) frames.resize();
-      else frames.request(store.getState().frame);
+      frames.resize();
     };
-    if (!frames.committed()) {
-      ask();
-      return;
-    }
     const timer = setTimeout(ask, SHARPEN_AFTER_MS);
     return () => clearTimeout(timer);
-  }, [tiles, zooms, drive.cameras, frames, pictureWidths, store]);
+  }, [tiles, zooms, drive.cameras, frames, pictureWidths]);
 }
 
 /** Keys zoom and move the camera that was pointed at last; before that, the enlarged one or the first. */

@@ -73,6 +73,7 @@ export class FrameStore<P extends Picture> {
   /** Frames that are likely to be asked for next, out of the direction of travel. */
   private expected: readonly number[] = [];
   private holds = 0;
+  private begins = false;
 
   constructor(private readonly options: FrameStoreOptions<P>) {
     this.pictures = new LeastRecentlyUsed<Key, P>(
@@ -91,9 +92,19 @@ export class FrameStore<P extends Picture> {
 
   /** Show this frame as soon as all of it is here. */
   request(frame: number): void {
+    this.goTo(frame, Math.abs(frame - this.target) > BLOCK_FRAMES);
+  }
+
+  /** Show the first frame; nothing else is asked for until it is shown. */
+  begin(frame: number): void {
+    this.hold();
+    this.begins = true;
+    this.goTo(frame, true);
+  }
+
+  private goTo(frame: number, jumps: boolean): void {
     if (this.closed) return;
     this.direction = frame < this.target ? -1 : 1;
-    const jumps = Math.abs(frame - this.target) > BLOCK_FRAMES;
     this.target = frame;
     this.order += 1;
     this.failedObservations.delete(frame);
@@ -133,11 +144,6 @@ export class FrameStore<P extends Picture> {
     this.pump();
     this.loadObservations(this.target);
     this.loadExpected();
-  }
-
-  /** Show the first frame as soon as its own observations are here, ahead of those of its block. */
-  begin(frame: number): void {
-    this.loadObservations(frame, true);
   }
 
   /** Pictures are wanted in another size from now on: load the frame on the screen anew; it stays until then. */
@@ -281,6 +287,9 @@ export class FrameStore<P extends Picture> {
   private commit(committed: CommittedFrame<P>): void {
     this.committedFrame = committed;
     for (const listener of this.listeners) listener();
+    if (!this.begins) return;
+    this.begins = false;
+    this.release();
   }
 
   private keyOf(frame: number, camera: string): Key {

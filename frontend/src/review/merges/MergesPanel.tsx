@@ -92,7 +92,7 @@ export function MergesPanel({ shown, onShow, width }: MergesPanelProps) {
         onChange={(value) => onShow(value as MergeState)}
         data={STATES.map((state) => ({
           value: state,
-          label: `${text.merges.states[state]} ${count(mergesOf(data, state).length)}`,
+          label: `${text.merges.states[state]} ${count(data.filter((merge) => merge.state === state).length)}`,
         }))}
       />
       {list.length === 0 ? (

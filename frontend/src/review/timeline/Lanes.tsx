@@ -4,6 +4,7 @@ import {
   type PointerEvent,
   type RefObject,
   useCallback,
+  useDeferredValue,
   useEffect,
   useLayoutEffect,
   useMemo,
@@ -43,9 +44,10 @@ export function Lanes({ grouping, view, onView, height }: LanesProps) {
   const tip = useRef<HTMLDivElement>(null);
   const ink = useInk();
   const frame = useReview((state) => state.frame);
-  const identityIds = useReview((state) => state.identityIds);
+  // Two thousand lanes can wait a moment: what is selected shows in the pictures first.
+  const identityIds = useDeferredValue(useReview((state) => state.identityIds));
   const hovered = useReview((state) => state.hover?.identityId ?? null);
-  const mergeId = useReview((state) => state.mergeId);
+  const mergeId = useDeferredValue(useReview((state) => state.mergeId));
   const selected = useMemo(() => new Set(identityIds), [identityIds]);
   const { arrangement, links, loading } = useLanes(grouping, closed, selected);
   const inner = Math.max(0, height - RULER_PX);
@@ -202,10 +204,10 @@ export function Lanes({ grouping, view, onView, height }: LanesProps) {
 
 function useLanes(grouping: Grouping, closed: ReadonlySet<string>, selected: ReadonlySet<number>) {
   const { driveId } = useShared();
-  const tracks = useQuery(tracksQuery(driveId)).data;
-  const identities = useQuery(identitiesQuery(driveId)).data;
+  const tracks = useDeferredValue(useQuery(tracksQuery(driveId)).data);
+  const identities = useDeferredValue(useQuery(identitiesQuery(driveId)).data);
   const runs = useQuery({ ...scoreRunsQuery(driveId, tracks), enabled: tracks !== undefined }).data?.runs;
-  const merges = useMerges();
+  const merges = useDeferredValue(useMerges());
   const lanes = useMemo(
     () => (tracks && identities ? lanesOf(identities, tracks, runs ?? NONE) : []),
     [identities, tracks, runs],

@@ -24,8 +24,8 @@ const SPEEDS = ["0.25", "0.5", "1", "2", "3"];
 const HEIGHT = { min: 80, max: 900 };
 const ZOOM_STEP = 1.6;
 
-/** The playhead: play, step, scrub; and when each camera sees each identity. */
-export function Timeline() {
+/** The playhead: play, step, scrub; and when each camera sees each identity, once the page is `whole`. */
+export function Timeline({ whole }: { whole: boolean }) {
   const { store, drive } = useShared();
   const playing = useReview((state) => state.playing);
   const speed = useReview((state) => state.speed);
@@ -89,7 +89,7 @@ export function Timeline() {
           </TextButton>
         </div>
       </div>
-      <Lanes grouping={grouping} view={view} onView={setView} height={height} />
+      {whole ? <Lanes grouping={grouping} view={view} onView={setView} height={height} /> : <div style={{ height }} />}
     </section>
   );
 }
