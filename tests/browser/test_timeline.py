@@ -74,3 +74,22 @@ def _open(page: Page, address: str) -> Locator:
 
 def _canvas(canvas: Locator) -> str:
     return canvas.evaluate("(canvas) => canvas.toDataURL()")
+
+
+def test_the_wheel_zooms_time_about_the_pointer(page: Page, small_review: str) -> None:
+    lanes = _open(page, small_review)
+    box = lanes.bounding_box()
+    assert box is not None
+    middle = {"x": GUTTER_PX + (box["width"] - GUTTER_PX) * 0.505, "y": GROUP_PX + 8}
+    whole = page.get_by_role("button", name="Whole drive")
+    before = _canvas(lanes)
+    lanes.hover(position=middle)
+    page.keyboard.down("Control")
+    page.mouse.wheel(0, -400)
+    page.keyboard.up("Control")
+    page.wait_for_function("([canvas, before]) => canvas.toDataURL() !== before", arg=[lanes.element_handle(), before])
+    lanes.click(position=middle)  # what was under the pointer is there still
+    expect(page.get_by_text("Frame 31 of 60")).to_be_visible()
+    whole.click()
+    lanes.click(position={"x": GUTTER_PX + 3, "y": GROUP_PX + 8})
+    expect(page.get_by_text("Frame 1 of 60")).to_be_visible()
