@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from playwright.sync_api import Locator, Page, expect
+from playwright.sync_api import Locator, Page, Position, expect
 
 pytestmark = pytest.mark.browser
 
@@ -80,7 +80,7 @@ def test_the_wheel_zooms_time_about_the_pointer(page: Page, small_review: str) -
     lanes = _open(page, small_review)
     box = lanes.bounding_box()
     assert box is not None
-    middle = {"x": GUTTER_PX + (box["width"] - GUTTER_PX) * 0.505, "y": GROUP_PX + 8}
+    middle: Position = {"x": GUTTER_PX + (box["width"] - GUTTER_PX) * 0.505, "y": GROUP_PX + 8}
     whole = page.get_by_role("button", name="Whole drive")
     before = _canvas(lanes)
     lanes.hover(position=middle)

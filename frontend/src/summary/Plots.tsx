@@ -1,17 +1,22 @@
 import { count } from "../app/format";
+import { text } from "../strings";
 import classes from "./Plots.module.css";
 
 interface BarsProps {
   rows: readonly { name: string; values: readonly number[] }[];
   sources: readonly string[];
+  caption?: string;
+  /** The longest bar that the plot must hold; the longest that it has, where it is left out. */
+  most?: number;
 }
 
 /** A bar for each row, its parts one after the other. */
-export function Bars({ rows, sources }: BarsProps) {
+export function Bars({ rows, sources, caption, most: asked }: BarsProps) {
   const totals = rows.map((row) => row.values.reduce((sum, one) => sum + one, 0));
-  const most = Math.max(1, ...totals);
+  const most = Math.max(1, ...(asked === undefined ? totals : [asked]));
   return (
     <table className={classes.bars}>
+      {caption && <caption>{caption}</caption>}
       <tbody>
         {rows.map((row, index) => (
           <tr key={row.name}>
@@ -28,6 +33,20 @@ export function Bars({ rows, sources }: BarsProps) {
         ))}
       </tbody>
     </table>
+  );
+}
+
+/** What the colours of the parts mean. */
+export function SourceLegend({ sources }: { sources: readonly string[] }) {
+  return (
+    <ul className={classes.legend}>
+      {sources.map((source) => (
+        <li key={source}>
+          <span data-source={source} aria-hidden />
+          {text.summary.sources[source as keyof typeof text.summary.sources] ?? source}
+        </li>
+      ))}
+    </ul>
   );
 }
 

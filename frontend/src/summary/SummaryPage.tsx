@@ -13,9 +13,8 @@ import { LabelButton } from "../drives/LabelButton";
 import { CHECKS, isReviewed, NO_FILTER, writeFilter } from "../review/identities/filter";
 import { text } from "../strings";
 import { AuditTable } from "./AuditTable";
-import { SourceLegend } from "./DistanceBars";
 import { byClass, scores } from "./histogram";
-import { Bars, PairedBars } from "./Plots";
+import { Bars, PairedBars, SourceLegend } from "./Plots";
 import classes from "./SummaryPage.module.css";
 import { WhatIf } from "./WhatIf";
 

@@ -5,9 +5,11 @@ import { ApiError, messageOf } from "../api/client";
 import { evaluationQuery, histogramQuery } from "../api/queries";
 import type { DriveDetail } from "../api/types";
 import { count, percent } from "../app/format";
+import { typedNumber } from "../app/typedNumber";
 import { text } from "../strings";
-import { DistanceBars, SourceLegend } from "./DistanceBars";
+import { DistanceBars } from "./DistanceBars";
 import { qualityAt, ThresholdCounts } from "./histogram";
+import { SourceLegend } from "./Plots";
 import classes from "./WhatIf.module.css";
 
 interface WhatIfProps {
@@ -41,7 +43,7 @@ export function WhatIf({ drive, threshold, onChange }: WhatIfProps) {
           decimalScale={2}
           fixedDecimalScale
           value={threshold}
-          onChange={(value) => typeof value === "number" && onChange(value)}
+          onChange={(value) => onChange(typedNumber(value) ?? threshold)}
         />
       </div>
       <Slider

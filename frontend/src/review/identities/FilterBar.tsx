@@ -1,6 +1,7 @@
 import { ActionIcon, Button, NumberInput, Popover, Select, TextInput } from "@mantine/core";
 import { IconFilter, IconSearch, IconStar, IconTrash, IconX } from "@tabler/icons-react";
 import { useState } from "react";
+import { typedNumber } from "../../app/typedNumber";
 import { text } from "../../strings";
 import { useReview, useShared } from "../ReviewContext";
 import classes from "./FilterBar.module.css";
@@ -157,7 +158,6 @@ interface RangeProps {
 }
 
 function Range({ label, hint, least, most, max, step, decimals = 0, onChange }: RangeProps) {
-  const number = (value: string | number) => (typeof value === "number" ? value : null);
   const shared = { size: "xs", min: 0, step, decimalScale: decimals, hideControls: true, ...(max && { max }) } as const;
   return (
     <fieldset className={classes.range}>
@@ -167,14 +167,14 @@ function Range({ label, hint, least, most, max, step, decimals = 0, onChange }: 
         aria-label={words.least(label)}
         placeholder={words.from}
         value={least ?? ""}
-        onChange={(value) => onChange(number(value), most)}
+        onChange={(value) => onChange(typedNumber(value), most)}
       />
       <NumberInput
         {...shared}
         aria-label={words.most(label)}
         placeholder={words.to}
         value={most ?? ""}
-        onChange={(value) => onChange(least, number(value))}
+        onChange={(value) => onChange(least, typedNumber(value))}
       />
     </fieldset>
   );
