@@ -9,6 +9,8 @@ a step over any number of boxes is a few array operations.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -22,6 +24,18 @@ VARIANCE, COVARIANCE, SPEED_VARIANCE = slice(8, 10), slice(10, 12), slice(12, 14
 _NUMBERS = 14
 
 _CENTER_AND_SIDES = np.array([[0.5, 0, 0.5, 0], [0, 0.5, 0, 0.5], [-1, 0, 1, 0], [0, -1, 0, 1]])
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Measured:
+    """Detected boxes: ``position`` (4, N), centre x, centre y, width and height in pixels, and ``error`` (N,), the
+    variance of each of these."""
+
+    position: _Array
+    error: _Array
+
+    def __getitem__(self, boxes: slice) -> Measured:
+        return Measured(self.position[:, boxes], self.error[boxes])
 
 
 class BoxFilters:
@@ -46,13 +60,12 @@ class BoxFilters:
     def __len__(self) -> int:
         return self.state.shape[1]
 
-    def add(self, xyxy_px: _Array, noise: _Array | None = None) -> None:
-        """Begin filters at rest from (N, 4) boxes; ``noise`` as for :meth:`update`."""
-        new = np.zeros((_NUMBERS, len(xyxy_px)))
-        new[POSITION] = position = center_and_sides(xyxy_px)
-        squared = squared_size(position)
-        new[VARIANCE] = self._error(squared, noise)
-        new[SPEED_VARIANCE] = self._initial_speed * squared
+    def add(self, measured: Measured) -> None:
+        """Begin filters at rest."""
+        new = np.zeros((_NUMBERS, len(measured.error)))
+        new[POSITION] = measured.position
+        new[VARIANCE] = measured.error
+        new[SPEED_VARIANCE] = self._initial_speed * squared_size(measured.position)
         self.state = np.concatenate([self.state, new], axis=1)
 
     def resume(self, position: _Array, speed: _Array, variance: _Array, speed_variance: _Array) -> None:
@@ -65,6 +78,10 @@ class BoxFilters:
         """Drop all other filters."""
         self.state = self.state.compress(columns, axis=1)
 
+    def keep_first(self, count: int) -> None:
+        """Drop all filters but the first."""
+        self.state = self.state[:, :count]
+
     def predict(self, dt_s: float) -> None:
         """Move all boxes on by ``dt_s`` seconds; 0 leaves them where they are."""
         transition, noise = self._step(dt_s)
@@ -72,24 +89,36 @@ class BoxFilters:
         self.state = transition @ self.state
         self.state[8:] += grown
 
-    def update(self, columns: NDArray[np.intp], xyxy_px: _Array, noise: _Array | None = None) -> None:
-        """Correct the filters in ``columns`` (N,), none twice, by detected boxes (N, 4) of the same moment.
+    def predict_each(self, dt_s: _Array) -> None:
+        """Move each box on by seconds of its own (B,)."""
+        state = self.state.copy()
+        grown = squared_size(state) * self._density
+        state[POSITION] += dt_s * state[SPEED]
+        state[VARIANCE] += dt_s * (2 * state[COVARIANCE] + dt_s * state[SPEED_VARIANCE]) + dt_s**3 / 3 * grown
+        state[COVARIANCE] += dt_s * state[SPEED_VARIANCE] + dt_s**2 / 2 * grown
+        state[SPEED_VARIANCE] += dt_s * grown
+        self.state = state
 
-        ``noise`` (N,) is how much farther off a box is than usual (a factor on the standard deviation)."""
-        measured = center_and_sides(xyxy_px)
-        state = self.state.take(columns, axis=1)
-        parts = state.reshape(7, 2, len(columns))  # centre and sides of each of: position (2), speed (2), variances (3)
-        gain = parts[4:6] / (parts[4] + self._error(squared_size(measured), noise))
-        surprise = (measured - state[POSITION]).reshape(2, 2, len(columns))
-        moving = state[:8].reshape(2, 2, 2, len(columns))
+    def measure(self, xyxy_px: _Array, noise: _Array | None = None) -> Measured:
+        """What detected boxes (N, 4) say. ``noise`` (N,) is how much farther off a box is than usual (a factor on the
+        standard deviation)."""
+        position = _CENTER_AND_SIDES @ xyxy_px.T
+        error = self._measured * squared_size(position)
+        return Measured(position, error if noise is None else error * np.square(noise))
+
+    def update(self, columns: NDArray[np.intp] | slice, measured: Measured) -> None:
+        """Correct the filters in ``columns``, none twice, by what was measured of each at the same moment."""
+        state = self.state[:, columns] if isinstance(columns, slice) else self.state.take(columns, axis=1)
+        count = state.shape[1]
+        parts = state.reshape(7, 2, count)  # centre and sides of each of: position (2), speed (2), variances (3)
+        gain = parts[4:6] / (parts[4] + measured.error)
+        surprise = (measured.position - state[POSITION]).reshape(2, 2, count)
+        moving = state[:8].reshape(2, 2, 2, count)
         moving += gain[:, :, None] * surprise
         parts[6] -= gain[1] * parts[5]
         parts[4:6] -= gain[0] * parts[4:6]
-        self.state[:, columns] = state
-
-    def _error(self, squared: _Array, noise: _Array | None) -> _Array:
-        """(N,) variance of measured boxes."""
-        return self._measured * squared if noise is None else self._measured * squared * np.square(noise)
+        if not isinstance(columns, slice):
+            self.state[:, columns] = state
 
     def _step(self, dt_s: float) -> tuple[_Array, _Array]:
         """What ``dt_s`` seconds do to every box: the (14, 14) transition, and (6, 1) what they add to the variances of
@@ -115,11 +144,6 @@ class BoxFilters:
     def xyxy_px(self) -> _Array:
         """(B, 4) boxes of :meth:`corners_px`."""
         return np.concatenate(self.corners_px()).T
-
-
-def center_and_sides(xyxy_px: _Array) -> _Array:
-    """(4, N) centre x, centre y, width and height of (N, 4) boxes."""
-    return _CENTER_AND_SIDES @ xyxy_px.T
 
 
 def squared_size(state: _Array) -> _Array:

@@ -45,7 +45,7 @@ def extend_back(
             near = overlapping(*filters.corners_px(), corners[:2], corners[2:], min_iou=config.min_iou_back)
             near = near[group[follows[near.a]] == window.group[free[near.b]]]
             rows, taken = pair_off(near, a_count=len(follows), b_count=len(free))
-            filters.update(rows, window.xyxy_px[free[taken]])
+            filters.update(rows, filters.measure(window.xyxy_px[free[taken]]))
             seen_s[rows] = now_s
             found.append(free[taken])
             found_track.append(follows[rows])

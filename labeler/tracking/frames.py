@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import islice
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
-from labeler.detection.types import Detections
 from labeler.tracking.errors import TrackingError
 from labeler.tracking.types import DetectedFrame
 
 NS_PER_S = 1_000_000_000
+FRAMES_READ_AT_ONCE = 64
 
 
 def check_order(previous: DetectedFrame | None, frame: DetectedFrame) -> None:
@@ -23,21 +27,72 @@ def check_order(previous: DetectedFrame | None, frame: DetectedFrame) -> None:
         )
 
 
-def sound_rows(detections: Detections) -> NDArray[np.intp]:
-    """Rows with a finite score and a finite box that has an area."""
-    x1, y1, x2, y2 = detections.xyxy_px.T.astype(np.float64)
+class Usable(NamedTuple):
+    """The detections of a frame that can be used: their ``rows`` (M,) in it, boxes (M, 4), scores and class groups."""
+
+    rows: NDArray[np.intp]
+    xyxy_px: NDArray[np.float64]
+    score: NDArray[np.float32]
+    group: NDArray[np.int64]
+    broken_count: int
+    """How many others are not sound."""
+
+
+def with_usable_detections(
+    frames: Iterable[DetectedFrame], *, min_score: float, class_groups: NDArray[np.int64]
+) -> Iterator[tuple[DetectedFrame, Usable]]:
+    """Each frame with its sound detections of at least that score.
+
+    Frames are read ``FRAMES_READ_AT_ONCE``, which costs little more than one. TrackingError where they come out of
+    order, or a detection is of a class without a group."""
+    source = iter(frames)
+    previous: DetectedFrame | None = None
+    while some := list(islice(source, FRAMES_READ_AT_ONCE)):
+        for frame in some:
+            check_order(previous, frame)
+            previous = frame
+        yield from zip(some, _usable_of(some, min_score, class_groups), strict=True)
+
+
+def _usable_of(frames: Sequence[DetectedFrame], min_score: float, class_groups: NDArray[np.int64]) -> Iterator[Usable]:
+    found = [frame.detections for frame in frames]
+    xyxy_px = np.concatenate([one.xyxy_px for one in found]).astype(np.float64)
+    score = np.concatenate([one.score for one in found])
+    sound = _are_sound(xyxy_px, score)
     with np.errstate(invalid="ignore"):
-        sound = np.isfinite(x1 + y1 + x2 + y2 + detections.score) & (x2 > x1) & (y2 > y1)
-    return np.flatnonzero(sound)
+        kept = np.flatnonzero(sound & (score >= min_score))
+    counts = np.array([len(one) for one in found])
+    number_of = np.repeat(np.arange(len(frames)), counts)
+    number = number_of[kept]
+    group = _groups_of(np.concatenate([one.class_id for one in found])[kept], frames, number, class_groups)
+    rows, xyxy_px, score = kept - (np.cumsum(counts) - counts)[number], xyxy_px[kept], score[kept]
+    broken_count = np.bincount(number_of[~sound], minlength=len(frames)).tolist()
+    start = 0
+    for stop, broken in zip(np.cumsum(np.bincount(number, minlength=len(frames))).tolist(), broken_count, strict=True):
+        yield Usable(rows[start:stop], xyxy_px[start:stop], score[start:stop], group[start:stop], broken)
+        start = stop
 
 
-def groups_of(frame: DetectedFrame, rows: NDArray[np.intp], class_groups: NDArray[np.int64]) -> NDArray[np.int64]:
-    """(N,) group of each of these detections. TrackingError where a class has none."""
-    class_id = frame.detections.class_id[rows]
+def _are_sound(xyxy_px: NDArray[np.float64], score: NDArray[np.float32]) -> NDArray[np.bool_]:
+    """(N,) whether score and box are finite, and the box has an area."""
+    x1, y1, x2, y2 = xyxy_px.T
+    with np.errstate(invalid="ignore"):
+        return np.isfinite(x1 + y1 + x2 + y2 + score) & (x2 > x1) & (y2 > y1)
+
+
+def _groups_of(
+    class_id: NDArray[np.int16],
+    frames: Sequence[DetectedFrame],
+    number: NDArray[np.intp],
+    class_groups: NDArray[np.int64],
+) -> NDArray[np.int64]:
+    """(N,) group of each class; ``number`` (N,) is the frame that it is of."""
     known = (class_id >= 0) & (class_id < len(class_groups))
     if not known.all():
+        first = int(np.flatnonzero(~known)[0])
+        frame = frames[int(number[first])]
         raise TrackingError(
-            f"Frame {frame.frame_index} has a detection of class {class_id[~known][0]}, but the tracker knows the "
-            f"groups of {len(class_groups)} classes only. Give it a group for every class of the detector."
+            f"Frame {frame.frame_index} has a detection of class {class_id[first]}, but the tracker "
+            f"knows the groups of {len(class_groups)} classes only. Give it a group for every class of the detector."
         )
     return class_groups[class_id]

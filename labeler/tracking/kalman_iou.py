@@ -14,10 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from labeler.detection.types import Detections
 from labeler.tracking.association import associate
 from labeler.tracking.config import TrackingConfig
-from labeler.tracking.frames import NS_PER_S, check_order, groups_of, sound_rows
+from labeler.tracking.frames import NS_PER_S, with_usable_detections
 from labeler.tracking.motion import BoxMotion, TimeStep
 from labeler.tracking.types import DetectedFrame, Observations
 
@@ -49,21 +48,25 @@ class KalmanIouTracker:
     def track(self, frames: Iterable[DetectedFrame], *, first_track_id: int) -> Iterator[Observations]:
         """One Observations for each frame, also where it is empty, rows by ``detection_index``.
 
-        Only live tracks are held in memory. Raises TrackingError where frames come out of order (equal timestamps are
-        taken as no time passing) or a class id has no group.
+        Only live tracks and some frames are held in memory. Raises TrackingError where frames come out of order (equal
+        timestamps are taken as no time passing) or a class id has no group.
         """
         live: list[_Track] = []
         next_track_id = first_track_id
         previous: DetectedFrame | None = None
-        for frame in frames:
+        for frame, found in with_usable_detections(
+            frames, min_score=self._config.min_score, class_groups=self._class_groups
+        ):
+            self.rejected_count += found.broken_count
             step = TimeStep.of(_seconds_since(previous, frame))
             live = self._without_ended(live, frame.timestamp_ns)
             for track in live:
                 track.motion.predict(step)
 
-            usable = self._usable_rows(frame.detections)
+            usable = found.rows
+            groups = np.full(len(frame.detections), -1, np.int64)
+            groups[usable] = found.group
             boxes = frame.detections.xyxy_px.astype(np.float64)
-            groups = self._groups_of(frame, usable)
             fed = self._assign(live, usable, frame.detections.score, boxes, groups)
             for row, track in fed.items():
                 track.motion.update(boxes[row])
@@ -81,18 +84,6 @@ class KalmanIouTracker:
     def _without_ended(self, live: list[_Track], timestamp_ns: int) -> list[_Track]:
         max_coast_ns = round(self._config.max_coast_s * NS_PER_S)
         return [track for track in live if timestamp_ns - track.last_seen_ns <= max_coast_ns]
-
-    def _usable_rows(self, detections: Detections) -> NDArray[np.intp]:
-        """Rows that may feed a track; counts those that are broken."""
-        sound = sound_rows(detections)
-        self.rejected_count += len(detections) - len(sound)
-        return sound[detections.score[sound] >= self._config.min_score]
-
-    def _groups_of(self, frame: DetectedFrame, usable: NDArray[np.intp]) -> NDArray[np.int64]:
-        """(N,) group of each detection; -1 in rows that are not used."""
-        groups = np.full(len(frame.detections), -1, np.int64)
-        groups[usable] = groups_of(frame, usable, self._class_groups)
-        return groups
 
     def _assign(
         self,
@@ -124,7 +115,6 @@ class KalmanIouTracker:
 
 
 def _seconds_since(previous: DetectedFrame | None, frame: DetectedFrame) -> float:
-    check_order(previous, frame)
     return 0.0 if previous is None else (frame.timestamp_ns - previous.timestamp_ns) / NS_PER_S
 
 

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from labeler.tracking.config import TrackingConfig
 from labeler.tracking.extension import extend_back
-from labeler.tracking.frames import NS_PER_S, check_order, groups_of, sound_rows
+from labeler.tracking.frames import NS_PER_S, with_usable_detections
 from labeler.tracking.smoothing import Paths, TrackBoxes, smooth
 from labeler.tracking.stitching import find_continuations, overlap_of_rows
 from labeler.tracking.trust import JudgedBoxes, features_of, trust_of
@@ -69,18 +69,13 @@ class OfflineTracker:
     def _track_forward(self, frames: Iterable[DetectedFrame], first_track_id: int) -> Iterator[TrackedFrame]:
         new_ids = count(first_track_id)
         live = LiveTracks(self._config, new_ids, weak_score=self._config.birth_score)
-        previous: DetectedFrame | None = None
-        for frame in frames:
-            check_order(previous, frame)
-            previous = frame
-            sound = sound_rows(frame.detections)
-            self.rejected_count += len(frame.detections) - len(sound)
-            rows = sound[frame.detections.score[sound] >= self._config.min_score]
-            group = groups_of(frame, rows, self._class_groups)
-            boxes, score = frame.detections.xyxy_px[rows].astype(np.float64), frame.detections.score[rows]
+        for frame, usable in with_usable_detections(
+            frames, min_score=self._config.min_score, class_groups=self._class_groups
+        ):
+            self.rejected_count += usable.broken_count
             live.move_to(frame.timestamp_ns)
-            track_id, is_weak = live.feed(boxes, score, group)
-            yield TrackedFrame(frame, rows, boxes, score, group, track_id, is_weak)
+            track_id, is_weak = live.feed(usable)
+            yield TrackedFrame(frame, usable, track_id, is_weak)
 
 
 class _Mending:

@@ -129,16 +129,15 @@ def pair_off(candidates: Candidates, *, a_count: int, b_count: int) -> tuple[_Ro
 
 def pair_in_turn(candidates: Candidates, turn: NDArray[np.intp], *, a_count: int, b_count: int) -> tuple[_Rows, _Rows]:
     """Like :func:`pair_off`, turn by turn: candidates of ``turn`` (P,) 0 first, then those of 1 with what is left."""
-    alone = _has_no_rival(candidates, a_count, b_count)
-    if alone.all():
-        return candidates.a, candidates.b
-    rest, turn = candidates[~alone], turn[~alone]
-    clear = _outweighs_rivals(rest, turn, a_count, b_count)
-    found_a, found_b = [candidates.a[alone], rest.a[clear]], [candidates.b[alone], rest.b[clear]]
+    clear = _outweighs_rivals(candidates, turn, a_count, b_count)
+    a, b = candidates.a[clear], candidates.b[clear]
     free_a, free_b = np.ones(a_count, np.bool_), np.ones(b_count, np.bool_)
-    free_a[rest.a[clear]] = free_b[rest.b[clear]] = False
-    open_still = free_a[rest.a] & free_b[rest.b]
-    rest, turn = rest[open_still], turn[open_still]
+    free_a[a] = free_b[b] = False
+    open_still = free_a[candidates.a] & free_b[candidates.b]
+    if not open_still.any():
+        return a, b
+    rest, turn = candidates[open_still], turn[open_still]
+    found_a, found_b = [a], [b]
     for number in np.flatnonzero(np.bincount(turn)).tolist():
         offered = (turn == number) & free_a[rest.a] & free_b[rest.b]
         a, b = _pair_off_rivals(rest[offered], a_count, b_count)
@@ -188,12 +187,6 @@ def _pair_off_rivals(candidates: Candidates, a_count: int, b_count: int) -> tupl
     else:
         a, b = _pair_off_groups(Candidates(a_place, b_place, candidates.weight), len(a_rows), len(b_rows))
     return a_rows[a], b_rows[b]
-
-
-def _has_no_rival(candidates: Candidates, a_count: int, b_count: int) -> NDArray[np.bool_]:
-    """(P,) whether both members of a pair have no other candidate."""
-    a, b = candidates.a, candidates.b
-    return (np.bincount(a, minlength=a_count)[a] == 1) & (np.bincount(b, minlength=b_count)[b] == 1)
 
 
 def _numbered(rows: _Rows, count: int) -> tuple[_Rows, _Rows]:

@@ -1,8 +1,9 @@
 """Where each object was at every moment of its track, by all that was seen before and after (Rauch-Tung-Striebel).
 
-The filter is that of :mod:`labeler.tracking.box_filters`: all tracks that are there in a frame take a step together,
-forward, and then together each is corrected by what came after it. What a detector is less sure of counts less: the
-noise of a detected box grows as its score falls. Source: Rauch, Tung and Striebel, 1965.
+The filter is that of :mod:`labeler.tracking.box_filters`. All tracks begin together, whenever that was, and step from
+frame to frame together, forward, and then back, where each state is corrected by what came after it: there are as many
+steps as the longest track has frames. What a detector is less sure of counts less: the noise of a detected box grows as
+its score falls. Source: Rauch, Tung and Striebel, 1965.
 """
 
 from __future__ import annotations
@@ -97,9 +98,9 @@ def smooth(boxes: TrackBoxes, time_s: _Array, config: TrackingConfig) -> Paths:
     if len(boxes.track) == 0:
         none = np.zeros(0, np.int64)
         return Paths(none, none, *np.zeros((2, 0, 4)), *np.zeros((2, 0, 2)))
-    plan = _Plan.of(boxes, len(time_s))
-    filtered, predicted = _filter(plan, boxes, time_s, config)
-    _smooth_back(plan, filtered, predicted, time_s, with_variances=config.follow_back)
+    plan = _Plan.of(boxes, time_s)
+    filtered, predicted = _filter(plan, boxes, config)
+    _smooth_back(plan, filtered, predicted, with_variances=config.follow_back)
     of_path = filtered.take(plan.row_of_path, axis=1)
     return Paths(
         track=plan.track,
@@ -115,46 +116,49 @@ def smooth(boxes: TrackBoxes, time_s: _Array, config: TrackingConfig) -> Paths:
 class _Plan:
     """Where everything lies. A row is a track in a frame from its first box to its last, R in all.
 
-    ``track`` and ``frame`` (R,) are those of the paths: by track, then frame. The filters work on rows by frame, then
-    in the order in which tracks begin, so those that begin come last and those that go on keep their order:
-    ``row_of_path`` (R,) leads from paths to them, ``start`` (F + 1,) is where each frame's rows begin, ``goes_on`` (R,)
-    whether the track is there in the next frame too, ``new`` (F,) how many tracks begin. ``box_row`` (N,) is the row of
-    each box.
+    ``track`` and ``frame`` (R,) are those of the paths: by track, then frame. The filters work on rows by step, which
+    is how many frames the track has been there for, then by track, the longest first: so those that go on are the first
+    of each step. ``row_of_path`` (R,) leads from paths to these rows, ``start`` (S + 1,) is where each step's begin,
+    ``dt_s`` (R,) the time since the track's row of the step before, 0 in the first. ``box_row`` (N,) is the row of each
+    box.
     """
 
     track: NDArray[np.int64]
     frame: NDArray[np.int64]
     row_of_path: NDArray[np.intp]
     start: NDArray[np.intp]
-    goes_on: NDArray[np.bool_]
-    new: NDArray[np.intp]
+    dt_s: _Array
     box_row: NDArray[np.intp]
 
     @staticmethod
-    def of(boxes: TrackBoxes, frame_count: int) -> _Plan:
+    def of(boxes: TrackBoxes, time_s: _Array) -> _Plan:
         starts = np.flatnonzero(np.diff(boxes.track, prepend=-1))
         stops = np.append(starts[1:], len(boxes.track))
-        first, last = boxes.frame[starts], boxes.frame[stops - 1]
-        length = last - first + 1
-        path_start = np.cumsum(length) - length
-        place = np.repeat(np.arange(len(starts)), length)
-        frame = np.arange(len(place)) - path_start[place] + first[place]
-        by_frame = np.lexsort((place, first[place], frame))
-        row_of_path = np.empty(len(place), np.intp)
-        row_of_path[by_frame] = np.arange(len(place))
-        own_place = np.repeat(np.arange(len(starts)), stops - starts)
+        first = boxes.frame[starts]
+        length = boxes.frame[stops - 1] - first + 1
+        place_of = np.empty(len(starts), np.intp)
+        place_of[np.argsort(-length, kind="stable")] = np.arange(len(starts))
+        there = np.cumsum(np.bincount(length)[::-1])[::-1][1:]  # how many tracks are that long or longer
+        start = np.concatenate([np.zeros(1, np.intp), np.cumsum(there)])
+        number = np.repeat(np.arange(len(starts)), length)
+        step = np.arange(len(number)) - np.repeat(np.cumsum(length) - length, length)
+        frame = first[number] + step
+        row_of_path = start[step] + place_of[number]
+        steps_s = np.diff(time_s, prepend=time_s[:1]).round(12)  # an even rate gives equal steps
+        dt_s = np.empty(len(number))
+        dt_s[row_of_path] = np.where(step > 0, steps_s[frame], 0.0)
+        own = np.repeat(np.arange(len(starts)), stops - starts)
         return _Plan(
-            track=boxes.track[starts][place],
+            track=boxes.track[starts][number],
             frame=frame,
             row_of_path=row_of_path,
-            start=np.searchsorted(frame[by_frame], np.arange(frame_count + 1)),
-            goes_on=(frame < last[place])[by_frame],
-            new=np.bincount(first, minlength=frame_count),
-            box_row=row_of_path[path_start[own_place] + boxes.frame - first[own_place]],
+            start=start,
+            dt_s=dt_s,
+            box_row=start[boxes.frame - first[own]] + place_of[own],
         )
 
 
-def _filter(plan: _Plan, boxes: TrackBoxes, time_s: _Array, config: TrackingConfig) -> tuple[_Array, _Array]:
+def _filter(plan: _Plan, boxes: TrackBoxes, config: TrackingConfig) -> tuple[_Array, _Array]:
     """(14, R) states of the filters after the box of each row, and (14, R) as predicted before it."""
     filters = BoxFilters(
         replace(
@@ -164,43 +168,44 @@ def _filter(plan: _Plan, boxes: TrackBoxes, time_s: _Array, config: TrackingConf
             growth_ratio=config.smooth_growth_ratio,
         )
     )
-    order = np.argsort(plan.box_row, kind="stable")
-    row, xyxy_px, noise = plan.box_row[order], boxes.xyxy_px[order], boxes.noise[order]
-    start, new = plan.start.tolist(), plan.new.tolist()
+    order = np.argsort(plan.box_row)
+    row = plan.box_row[order]
+    measured = filters.measure(boxes.xyxy_px[order], boxes.noise[order])
     box_start = np.searchsorted(row, plan.start).tolist()
-    steps_s = np.diff(time_s, prepend=time_s[:1]).round(12).tolist()  # an even rate gives equal steps
+    least, most = np.minimum.reduceat(plan.dt_s, plan.start[:-1]), np.maximum.reduceat(plan.dt_s, plan.start[:-1])
     filtered, predicted = np.empty((2, 14, len(plan.track)))
-    for frame, dt_s in enumerate(steps_s):
-        begin, end = start[frame], start[frame + 1]
-        if len(filters):
-            previous = slice(start[frame - 1], begin)
-            if len(filters) != end - begin - new[frame]:
-                filters.keep(plan.goes_on[previous])
-            filters.predict(dt_s)
-        box, first_box, last_box = box_start[frame], box_start[frame + 1] - new[frame], box_start[frame + 1]
-        if new[frame]:
-            filters.add(xyxy_px[first_box:last_box], noise[first_box:last_box])
+    start = plan.start.tolist()
+    filters.add(measured[: start[1]])  # a track begins with a box
+    predicted[:, : start[1]] = filtered[:, : start[1]] = filters.state
+    for step, is_even in enumerate((least == most)[1:].tolist(), start=1):
+        begin, end = start[step], start[step + 1]
+        filters.keep_first(end - begin)
+        dt_s = plan.dt_s[begin:end]
+        if is_even:
+            filters.predict(float(dt_s[0]))
+        else:
+            filters.predict_each(dt_s)
         predicted[:, begin:end] = filters.state
-        if first_box > box:
-            filters.update(row[box:first_box] - begin, xyxy_px[box:first_box], noise[box:first_box])
+        of_step = slice(box_start[step], box_start[step + 1])
+        has_all = of_step.stop - of_step.start == end - begin
+        filters.update(slice(None) if has_all else row[of_step] - begin, measured[of_step])
         filtered[:, begin:end] = filters.state
     return filtered, predicted
 
 
-def _smooth_back(plan: _Plan, states: _Array, predicted: _Array, time_s: _Array, *, with_variances: bool) -> None:
-    """Correct the states (14, R) of each frame by those of the next, backward in time and in place.
+def _smooth_back(plan: _Plan, states: _Array, predicted: _Array, *, with_variances: bool) -> None:
+    """Correct the states (14, R) of each step by those of the next, the last first and in place.
 
     How much each follows the next is known at once for all rows, because it depends on the covariances only."""
-    going = np.flatnonzero(plan.goes_on)
-    frame = np.repeat(np.arange(len(time_s)), np.diff(plan.start))[going]
-    coming = np.arange(len(going)) + np.cumsum(plan.new)[frame]  # rows of a frame: who goes on, then who begins
-    gain = _gains(states[8:, going], predicted[8:, coming], np.diff(time_s)[frame])
-    start = np.searchsorted(going, plan.start).tolist()
-    for begin, end in zip(start[-2::-1], start[:0:-1], strict=True):
-        if begin == end:
-            continue
-        rows, of_gain = going[begin:end], gain[..., begin:end]
-        later = slice(int(coming[begin]), int(coming[end - 1]) + 1)
+    second = int(plan.start[1])
+    there = np.diff(plan.start)[1:]
+    going = np.arange(second, len(plan.track)) - np.repeat(np.diff(plan.start)[:-1], there)  # a step before each row
+    gain = _gains(states[8:, going], predicted[8:, second:], plan.dt_s[second:])
+    start = plan.start.tolist()
+    for step in range(len(start) - 2, 0, -1):
+        begin, end = start[step], start[step + 1]
+        rows, later = slice(start[step - 1], start[step - 1] + end - begin), slice(begin, end)
+        of_gain = gain[..., begin - second : end - second]
         surprise = states[:8, later] - predicted[:8, later]
         states[:8, rows] += (of_gain[:, :, :, None] * surprise.reshape(1, 2, 2, 2, -1)).sum(axis=1).reshape(8, -1)
         if with_variances:

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from labeler.tracking.box_filters import BoxFilters
 from labeler.tracking.config import TrackingConfig
-from labeler.tracking.frames import NS_PER_S, check_order, groups_of, sound_rows
+from labeler.tracking.frames import NS_PER_S, Usable, with_usable_detections
 from labeler.tracking.pairing import overlapping, pair_in_turn
 from labeler.tracking.types import DetectedFrame, Observations
 
@@ -45,23 +45,18 @@ class TwoStageTracker:
     def track(self, frames: Iterable[DetectedFrame], *, first_track_id: int) -> Iterator[Observations]:
         """One Observations for each frame, also where it is empty, rows by ``detection_index``.
 
-        Only live tracks are held in memory. Raises TrackingError where frames come out of order (equal timestamps are
-        taken as no time passing) or a class id has no group.
+        Only live tracks and some frames are held in memory. Raises TrackingError where frames come out of order (equal
+        timestamps are taken as no time passing) or a class id has no group.
         """
         live = LiveTracks(self._config, count(first_track_id))
-        previous: DetectedFrame | None = None
-        for frame in frames:
-            check_order(previous, frame)
-            sound = sound_rows(frame.detections)
-            self.rejected_count += len(frame.detections) - len(sound)
-            rows = sound[frame.detections.score[sound] >= self._config.min_score]
-            group = groups_of(frame, rows, self._class_groups)
-            boxes = frame.detections.xyxy_px[rows].astype(np.float64)
+        for frame, usable in with_usable_detections(
+            frames, min_score=self._config.min_score, class_groups=self._class_groups
+        ):
+            self.rejected_count += usable.broken_count
             live.move_to(frame.timestamp_ns)
-            track_id, _ = live.feed(boxes, frame.detections.score[rows], group)
+            track_id, _ = live.feed(usable)
             fed = track_id >= 0
-            yield _observations(frame, rows[fed], track_id[fed])
-            previous = frame
+            yield _observations(frame, usable.rows[fed], track_id[fed])
 
 
 class LiveTracks:
@@ -90,17 +85,16 @@ class LiveTracks:
             self._filters.predict((timestamp_ns - self._now_ns) / NS_PER_S)
         self._now_ns = timestamp_ns
 
-    def feed(
-        self, xyxy_px: NDArray[np.float64], score: NDArray[np.float32], group: NDArray[np.int64]
-    ) -> tuple[NDArray[np.int32], NDArray[np.bool_]]:
+    def feed(self, found: Usable) -> tuple[NDArray[np.int32], NDArray[np.bool_]]:
         """(N,) the track of each detection of the present moment, old or new, -1 for those that feed none; and (N,)
         whether it is left over: in no track, or in a weak one."""
+        _, xyxy_px, score, group, _ = found
         sure = score >= self._config.sure_score
         may_begin = sure | (score >= self._weak_score)
         column = np.full(len(score), -1, np.intp)
         if len(self._filters) and len(score):
             columns, rows = self._pair(xyxy_px, sure, may_begin, group)
-            self._filters.update(columns, xyxy_px[rows])
+            self._filters.update(columns, self._filters.measure(xyxy_px[rows]))
             self._known[_LAST_SEEN_NS, columns] = self._now_ns
             column[rows] = columns
         born = np.flatnonzero(may_begin & (column < 0))
@@ -138,7 +132,7 @@ class LiveTracks:
         new[_TRACK_ID] = np.fromiter(self._new_ids, np.int64, count=len(group))
         new[_GROUP], new[_LAST_SEEN_NS], new[_IS_WEAK] = group, self._now_ns, weak
         self._known = np.concatenate([self._known, new], axis=1)
-        self._filters.add(xyxy_px)
+        self._filters.add(self._filters.measure(xyxy_px))
 
 
 def _observations(frame: DetectedFrame, rows: _Rows, track_id: NDArray[np.int32]) -> Observations:

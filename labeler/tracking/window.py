@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from labeler.tracking.frames import NS_PER_S
+from labeler.tracking.frames import NS_PER_S, Usable
 from labeler.tracking.types import DetectedFrame
 
 NO_TRACK = -1
@@ -16,14 +16,11 @@ NO_TRACK = -1
 
 @dataclass(frozen=True, eq=False)
 class TrackedFrame:
-    """A frame, the rows (M,) of its detections that can be used, their boxes (M, 4), scores and groups, the track of
-    each or NO_TRACK, and whether it is left over from the sure tracks."""
+    """A frame, its usable detections, the track of each (M,) or NO_TRACK, and whether it is left over from the sure
+    tracks."""
 
     frame: DetectedFrame
-    rows: NDArray[np.intp]
-    xyxy_px: NDArray[np.float64]
-    score: NDArray[np.float32]
-    group: NDArray[np.int64]
+    usable: Usable
     track_id: NDArray[np.int32]
     is_weak: NDArray[np.bool_]
 
@@ -52,18 +49,18 @@ class Window:
 
     @staticmethod
     def of(frames: Sequence[TrackedFrame]) -> Window:
-        counts = np.array([len(one.rows) for one in frames], np.intp)
+        counts = np.array([len(one.usable.rows) for one in frames], np.intp)
         first_ns = frames[0].frame.timestamp_ns
         return Window(
             time_s=np.array([one.frame.timestamp_ns - first_ns for one in frames], np.float64) / NS_PER_S,
             frame_index=np.array([one.frame.frame_index for one in frames], np.int32),
             start=np.concatenate([np.zeros(1, np.intp), np.cumsum(counts)]),
             frame=np.repeat(np.arange(len(frames)), counts),
-            row=np.concatenate([one.rows for one in frames]),
-            xyxy_px=np.concatenate([one.xyxy_px for one in frames]),
-            score=np.concatenate([one.score for one in frames]).astype(np.float64),
-            class_id=np.concatenate([one.frame.detections.class_id[one.rows] for one in frames]),
-            group=np.concatenate([one.group for one in frames]),
+            row=np.concatenate([one.usable.rows for one in frames]),
+            xyxy_px=np.concatenate([one.usable.xyxy_px for one in frames]),
+            score=np.concatenate([one.usable.score for one in frames]).astype(np.float64),
+            class_id=np.concatenate([one.frame.detections.class_id[one.usable.rows] for one in frames]),
+            group=np.concatenate([one.usable.group for one in frames]),
             track_id=np.concatenate([one.track_id for one in frames]),
             is_weak=np.concatenate([one.is_weak for one in frames]),
         )

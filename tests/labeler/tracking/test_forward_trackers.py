@@ -7,6 +7,7 @@ import pytest
 
 from labeler.detection.types import Detections
 from labeler.tracking import DetectedFrame, Observations, Tracker, TrackingConfig, TrackingError
+from labeler.tracking.frames import FRAMES_READ_AT_ONCE
 from labeler.tracking.kalman_iou import KalmanIouTracker
 from labeler.tracking.two_stage import TwoStageTracker
 
@@ -210,19 +211,19 @@ def test_a_class_without_group_is_an_error(follow: Follow, class_id: int) -> Non
 
 
 def test_frames_stream(tracker: KalmanIouTracker | TwoStageTracker) -> None:
-    """The observations of a frame are there before the next frame is read."""
-    read: list[int] = []
+    """The observations of a frame are there before more frames are read than are read at once."""
+    read = 0
 
     def recorded() -> Iterator[DetectedFrame]:
-        for index in range(3):
-            read.append(index)
+        nonlocal read
+        for index in range(3 * FRAMES_READ_AT_ONCE):
+            read += 1
             yield frame(index, car(0))
 
-    stream = tracker.track(recorded(), first_track_id=0)
-    next(stream)
-    assert read == [0]
-    next(stream)
-    assert read == [0, 1]
+    given_out = 0
+    for given_out, _ in enumerate(tracker.track(recorded(), first_track_id=0), start=1):
+        assert read <= given_out - 1 + FRAMES_READ_AT_ONCE
+    assert given_out == 3 * FRAMES_READ_AT_ONCE
 
 
 def test_a_tracker_starts_anew_for_each_camera(tracker: KalmanIouTracker | TwoStageTracker) -> None:

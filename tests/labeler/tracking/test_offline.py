@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from labeler.detection.types import Detections
 from labeler.tracking import NO_DETECTION, DetectedFrame, Observations, TrackingConfig
 from labeler.tracking import offline as offline_module
+from labeler.tracking.frames import FRAMES_READ_AT_ONCE
 from labeler.tracking.offline import OfflineTracker
 
 CAR, PERSON = 0, 2
@@ -122,7 +123,8 @@ def test_windows_do_not_show(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_memory_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Frames are given out after a while, whatever follows: at most the frames given out at once and the look-ahead."""
+    """Frames are given out after a while, whatever follows: at most the frames that are given out and read at once,
+    and the look-ahead."""
     monkeypatch.setattr(offline_module, "_FRAMES_AT_ONCE", 20)
     read = 0
 
@@ -134,7 +136,7 @@ def test_memory_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
 
     tracker = OfflineTracker(replace(CONFIG, look_ahead_s=2.0), class_groups=GROUPS)
     for given_out, _ in enumerate(tracker.track(frames(), first_track_id=0)):  # type: ignore[arg-type]
-        assert read - given_out <= 20 + 20 + 2
+        assert read - given_out <= 20 + 20 + FRAMES_READ_AT_ONCE
 
 
 @pytest.mark.parametrize(
