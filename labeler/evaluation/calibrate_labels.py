@@ -3,9 +3,8 @@
 Labels come from drives with truth, labelled as ``hindsight label`` does (what the workspace has of them is used again),
 and from text sequences with detections and truth (:mod:`labeler.evaluation.text_sequences`). Drives and sequences count
 alike, however long they are. A label is right where it hits a true object at an IoU of .5, class and all, as in
-``hindsight evaluate``. Curves are fitted under the direction that sense demands (a box that is trusted more never makes
-its label less likely), so that they hold beyond what was seen, and a ridge keeps them straight where nothing speaks for
-a bend.
+``hindsight evaluate``. Curves are held to the direction that sense demands: a box that is trusted more never makes its
+label less likely.
 
     python -m labeler.evaluation.calibrate_labels --model FILE --workspace FOLDER --fit DRIVE ... --check DRIVE ...
         --text ROOT --text-fit 0000 ... --text-check 0001 ... --out probability.json
@@ -22,12 +21,11 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize
-from scipy.special import expit
 
 from labeler.drive import is_simulated, open_drive
 from labeler.evaluation.categories import class_of_labels
 from labeler.evaluation.counting import ABSORBED, HIT, Labels2D, judge
+from labeler.evaluation.curve_fitting import FALLS, RISES, fit_curves
 from labeler.evaluation.matching import overlapping_pairs
 from labeler.evaluation.reliability import Reliability, ReliabilityCounts
 from labeler.evaluation.text_sequences import CAMERA, CAR_CLASS_ID, read_sequences
@@ -38,23 +36,20 @@ from labeler.models.choice import choose_segmentation
 from labeler.pipeline.run import label_drive
 from labeler.propagation import collect_votes, label_observations
 from labeler.propagation.labelling import label_features
-from labeler.propagation.probability import FEATURES, Model, probability_of, shipped
+from labeler.propagation.probability import FEATURES, probability_of, shipped
 from labeler.tracking import Observations, TrackingConfig, open_tracker
+from labeler.tracking.curves import CurveModel
 
 MIN_IOU = 0.5
-_MAX_KNOTS = 6
-_RIDGE = 2.0
-_LEVEL_RIDGE = 0.1
 _FLAGS = ("filled", "other_class")
-_FALLS, _RISES = (None, 0.0), (0.0, None)
-_DIRECTION = {
-    "donor_score": _RISES,
-    "own_score": _RISES,
-    "other_class": _FALLS,
-    "trust": _RISES,
-    "donor_s": _FALLS,
-    "class_share": _RISES,
-    "cameras": _RISES,
+_DIRECTIONS = {
+    "donor_score": RISES,
+    "own_score": RISES,
+    "other_class": FALLS,
+    "trust": RISES,
+    "donor_s": FALLS,
+    "class_share": RISES,
+    "cameras": RISES,
 }
 """Where a feature may only speak more, or only less, for a label as it grows."""
 
@@ -102,42 +97,19 @@ def samples_of_text(root: Path, names: Sequence[str]) -> Iterator[Sample]:
         yield _sample(sequence.name, seen, {}, times_ns, (CAMERA,), ("car",), sequence.truth)
 
 
-def fit(samples: Sequence[Sample]) -> Model:
+def fit(samples: Sequence[Sample]) -> CurveModel:
     """The curves that make what came true most probable; every sample has the same weight."""
-    values = np.concatenate([one.features for one in samples])
-    target = np.concatenate([one.is_right for one in samples]).astype(np.float64)
-    weight = np.concatenate([np.full(len(one.is_right), 1 / max(len(one.is_right), 1)) for one in samples])
-    weight *= len(target) / weight.sum()
-    knots = [_knots(values[:, column], name) for column, name in enumerate(FEATURES)]
-    # A curve is its level at the first knot and steps from knot to knot: a direction is a bound on the steps.
-    steps = [_hats(values[:, column], at) @ np.tri(len(at)) for column, at in enumerate(knots)]
-    matrix = np.concatenate([np.ones((len(values), 1)), *steps], axis=1)
-    smooth = _bend_penalty(knots)
-    bounds: list[tuple[float | None, float | None]] = [(None, None)]
-    for name, at in zip(FEATURES, knots, strict=True):
-        bounds += [(None, None), *[_DIRECTION.get(name, (None, None))] * (len(at) - 1)]
-
-    def loss(weights: NDArray[np.float64]) -> tuple[float, NDArray[np.float64]]:
-        z = matrix @ weights
-        held = smooth @ weights
-        value = float(weight @ (np.logaddexp(0, z) - target * z) + weights @ held / 2)
-        return value, matrix.T @ (weight * (expit(z) - target)) + held
-
-    start = np.zeros(matrix.shape[1])
-    found = minimize(loss, start, jac=True, method="L-BFGS-B", bounds=bounds, options={"maxiter": 500})
-    weights = np.asarray(found.x, np.float64)
-    bias, at = float(weights[0]), 1
-    curves: dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]] = {}
-    for column, (name, of_curve) in enumerate(zip(FEATURES, knots, strict=True)):
-        log_odds = np.cumsum(weights[at : at + len(of_curve)])
-        at += len(of_curve)
-        middle = float(np.interp(np.median(values[:, column]), of_curve, log_odds))  # a middle belongs to the bias
-        curves[name] = (of_curve, log_odds - middle)
-        bias += middle
-    return Model(bias, curves)
+    return fit_curves(
+        np.concatenate([one.features for one in samples]),
+        np.concatenate([one.is_right for one in samples]).astype(np.float64),
+        np.concatenate([np.full(len(one.is_right), 1 / max(len(one.is_right), 1)) for one in samples]),
+        names=FEATURES,
+        flags=_FLAGS,
+        directions=_DIRECTIONS,
+    )
 
 
-def reliability_of(samples: Sequence[Sample], model: Model | None) -> Reliability:
+def reliability_of(samples: Sequence[Sample], model: CurveModel | None) -> Reliability:
     """How well probabilities of a model hold; without one, the paper's confidences taken for such."""
     counts = ReliabilityCounts()
     for one in samples:
@@ -175,35 +147,6 @@ def _sample(
     kept = boxes.counted & (judged.outcome != ABSORBED)
     of_all = np.concatenate([np.zeros((0, len(FEATURES))), *features])
     return Sample(name, of_all[kept], judged.outcome[kept] == HIT, boxes.score[kept])
-
-
-def _knots(values: NDArray[np.float64], name: str) -> NDArray[np.float64]:
-    """Where a curve may bend: at even shares of the labels; where most are equal, in even steps."""
-    if name in _FLAGS:
-        return np.array([0.0, 1.0])
-    knots = np.unique(np.round(np.quantile(values, np.linspace(0.01, 0.99, _MAX_KNOTS)), 3))
-    if len(knots) < _MAX_KNOTS // 2:
-        knots = np.unique(np.round(np.linspace(float(values.min()), float(values.max()), _MAX_KNOTS // 2), 3))
-    return knots if len(knots) > 1 else np.array([knots[0], knots[0] + 1.0])
-
-
-def _hats(values: NDArray[np.float64], knots: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(N, K) how much of a value's curve comes from each knot."""
-    return np.stack([np.interp(values, knots, row) for row in np.eye(len(knots))], axis=1)
-
-
-def _bend_penalty(knots: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
-    """The ridge, on levels and steps: a little on the curve's values, more on the differences between its steps."""
-    size = 1 + sum(len(one) for one in knots)
-    penalty = np.zeros((size, size))
-    at = 1
-    for one in knots:
-        here = slice(at, at + len(one))
-        curve = np.tri(len(one))
-        bends = np.diff(curve, n=2, axis=0)
-        penalty[here, here] = _LEVEL_RIDGE * curve.T @ curve + _RIDGE * bends.T @ bends
-        at += len(one)
-    return penalty
 
 
 def _say(title: str, found: Reliability) -> None:

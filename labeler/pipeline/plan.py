@@ -28,9 +28,8 @@ from labeler.pipeline.detecting import DetectUnit
 from labeler.pipeline.lidar_units import LidarFrame, LidarUnit, lidar_frame
 from labeler.pipeline.segmenting import SegmentUnit
 from labeler.pipeline.units import DonorUnit, IdentityUnit, LabelUnit, TrackUnit
-from labeler.propagation import PropagationConfig
-from labeler.propagation.probability import shipped_text
-from labeler.tracking import TrackingConfig
+from labeler.propagation import PropagationConfig, probability
+from labeler.tracking import TrackingConfig, trust
 
 CLIP_FRAMES = 16
 TRACK_IDS_PER_CAMERA = 1_000_000
@@ -142,7 +141,7 @@ def track_units(clips: Clips, classes: Classes, config: TrackingConfig) -> list[
     planned: list[TrackUnit] = []
     for number, (camera, paths) in enumerate(clips.by_camera().items(), start=1):
         first_id = first_track_id(number)
-        key = key_of(config, classes.groups, camera, first_id, [path.name for path in paths])
+        key = key_of(config, classes.groups, camera, first_id, [path.name for path in paths], trust.shipped_text())
         effort = clips.images[camera]
         planned.append(TrackUnit(key, tuple(paths), config, classes.groups, first_id, effort))
     return planned
@@ -199,7 +198,7 @@ def label_units(
 ) -> list[LabelUnit]:
     """A unit for each camera."""
     times_ns = frame_times_of(drive)
-    shared = (identities.name, donors.name, shipped_text())
+    shared = (identities.name, donors.name, probability.shipped_text())
     return [
         LabelUnit(key_of(path.name, *shared), path, identities, donors, config, times_ns) for path in tracks.values()
     ]

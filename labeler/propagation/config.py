@@ -27,7 +27,7 @@ class PropagationConfig:
     min_donor_score: float = 0.0
     """An observation with a score below this one gives its label to no other."""
 
-    min_trust: float = 0.13
+    min_trust: float = 0.45
     """An observation that shows its track's object with less probability than this keeps its own label; 0 keeps none
     back, as in the paper."""
 

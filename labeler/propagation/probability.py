@@ -9,15 +9,14 @@ how well they hold on others) and lie in ``probability.json`` beside this module
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from labeler.tracking.curves import CurveModel
 from labeler.tracking.types import NO_DETECTION, Observations
 
 _Array = NDArray[np.float64]
@@ -61,37 +60,6 @@ class LabelFacts:
     cameras: _Array
 
 
-@dataclass(frozen=True, eq=False)
-class Model:
-    """Curves by feature, as (knots, log odds), and what is added to all."""
-
-    bias: float
-    curves: Mapping[str, tuple[_Array, _Array]]
-
-    def log_odds(self, features: _Array) -> _Array:
-        """(N,) log odds for each row of FEATURES (N, F); a curve goes on level beyond its knots."""
-        total = np.full(len(features), self.bias)
-        for column, name in enumerate(FEATURES):
-            knots, log_odds = self.curves[name]
-            total += np.interp(features[:, column], knots, log_odds)
-        return total
-
-    @staticmethod
-    def from_json(content: Mapping[str, Any]) -> Model:
-        curves = {
-            name: (np.array(curve["knots"], np.float64), np.array(curve["log_odds"], np.float64))
-            for name, curve in content["curves"].items()
-        }
-        return Model(float(content["bias"]), curves)
-
-    def to_json(self) -> dict[str, Any]:
-        curves = {
-            name: {"knots": knots.round(4).tolist(), "log_odds": log_odds.round(4).tolist()}
-            for name, (knots, log_odds) in self.curves.items()
-        }
-        return {"bias": round(self.bias, 4), "curves": curves}
-
-
 def features_of(facts: LabelFacts) -> _Array:
     """(N, F) the FEATURES of each label."""
     observations = facts.observations
@@ -112,15 +80,15 @@ def features_of(facts: LabelFacts) -> _Array:
     return np.stack([column.astype(np.float64) for column in columns], axis=1)
 
 
-def probability_of(features: _Array, model: Model | None = None) -> _Array:
+def probability_of(features: _Array, model: CurveModel | None = None) -> _Array:
     """(N,) probability for each row of FEATURES (N, F), by the model that ships unless another is given."""
-    return 1 / (1 + np.exp(-(model or shipped()).log_odds(features)))
+    return (model or shipped()).probability(features, FEATURES)
 
 
 @cache
-def shipped() -> Model:
+def shipped() -> CurveModel:
     """The model that lies beside this module."""
-    return Model.from_json(json.loads(shipped_text()))
+    return CurveModel.from_json(json.loads(shipped_text()))
 
 
 def shipped_text() -> str:

@@ -24,7 +24,7 @@ class TrackingConfig:
     birth_score: float = 0.3
     """A detection with at least this score may begin a track (two-stage: see ``sure_score``)."""
 
-    sure_score: float = 0.6
+    sure_score: float = 0.45
     """A detection with at least this score chooses its track before the others and may begin one (two-stage only)."""
 
     min_score: float = 0.1

@@ -1,33 +1,51 @@
 """How likely a box shows the object that its track is of: not a loose box, another object, or nothing.
 
 A logistic model of a few features that mean the same for any detector, camera and frame rate: seconds, ratios and
-overlaps, no pixels and no scores as such. Its weights were fitted on the sequences 0000 to 0010 of KITTI tracking;
-docs/evaluation.md says how it does on sequences that it was not fitted on.
+overlaps, no pixels and no scores as such. Its curves were fitted on real and on simulated drives with truth
+(``python -m labeler.evaluation.calibrate_trust``) and lie in ``trust.json`` beside this module; docs/evaluation.md says
+how it does on others.
 """
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
+from functools import cache
+from importlib import resources
 
 import numpy as np
 from numpy.typing import NDArray
 
 from labeler.geometry.boxes_2d import area
+from labeler.tracking.curves import CurveModel
 from labeler.tracking.pairing import ranges_of
 
 _Array = NDArray[np.float64]
 
-FEATURES = ("relative_score", "filled", "on_path", "since_sure", "length", "covered", "narrow", "flat")
+FILE_NAME = "trust.json"
+FEATURES = (
+    "relative_score",
+    "filled",
+    "on_path",
+    "since_sure",
+    "length",
+    "covered",
+    "narrower",
+    "flatter",
+    "near_scores",
+    "from_end",
+)
 """In order: the score as a share of the track's best (0 if filled in); 1 if filled in; IoU of the detected box with the
 smooth one (0 if filled in); log of 1 plus tenths of a second to the track's nearest sure detection, one with at least
 nine tenths of its best score; log of 1 plus the track's length in seconds; the largest share of the box that a box of
-another track covers; how much taller than wide the box is, and how much flatter than 1 to e (both in logs)."""
-
-WEIGHTS = (2.22, 3.6, 2.422, -0.997, 1.429, -3.238, -4.113, -5.637)
-BIAS = -2.247
+another track covers; how much narrower, and how much flatter, the box is than those of its track that are sure (in logs
+of width by height); the mean relative score of the track's boxes within half a second; log of 1 plus tenths of a second
+to the track's nearer end."""
 
 _LEAST_SHARE_OF_BEST = 0.9
 _LONGEST_S = 10.0
+_NEAR_S = 0.5
+_SURE_POWER, _LEAST_WEIGHT = 4, 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,25 +72,53 @@ def features_of(boxes: JudgedBoxes) -> _Array:
     starts = np.flatnonzero(np.diff(boxes.track, prepend=-1))
     place = np.repeat(np.arange(len(starts)), np.diff(np.append(starts, len(score))))
     best = np.maximum.reduceat(score, starts)[place]
-    length_s = (np.maximum.reduceat(boxes.time_s, starts) - boxes.time_s[starts])[place]
+    relative = np.divide(score, best, out=np.zeros(len(score)), where=best > 0)
+    since_first_s = boxes.time_s - boxes.time_s[starts][place]
+    length_s = np.maximum.reduceat(since_first_s, starts)[place]
     sides = np.maximum(boxes.xyxy_px[:, 2:] - boxes.xyxy_px[:, :2], 1.0)
     log_aspect = np.log(sides[:, 0] / sides[:, 1])
+    of_sure = np.maximum(relative**_SURE_POWER, _LEAST_WEIGHT)
+    usual = np.add.reduceat(of_sure * log_aspect, starts) / np.add.reduceat(of_sure, starts)
+    wider = log_aspect - usual[place]
     columns = (
-        np.divide(score, best, out=np.zeros(len(score)), where=best > 0),
+        relative,
         filled.astype(np.float64),
         boxes.on_path,
         np.log1p(10 * _time_to_nearest(boxes, place, score >= _LEAST_SHARE_OF_BEST * best)),
         np.log1p(np.minimum(length_s, _LONGEST_S)),
         _covered_shares(boxes),
-        np.maximum(0.0, -log_aspect),
-        np.maximum(0.0, log_aspect - 1.0),
+        np.maximum(0.0, -wider),
+        np.maximum(0.0, wider),
+        _means_near(relative, place, since_first_s),
+        np.log1p(10 * np.minimum(since_first_s, length_s - since_first_s)),
     )
     return np.stack(columns, axis=1)
 
 
-def trust_of(features: _Array) -> _Array:
-    """(N,) probability for each row of FEATURES (N, F)."""
-    return 1 / (1 + np.exp(-(features @ np.array(WEIGHTS) + BIAS)))
+def trust_of(features: _Array, model: CurveModel | None = None) -> _Array:
+    """(N,) probability for each row of FEATURES (N, F), by the model that ships unless another is given."""
+    return (model or shipped()).probability(features, FEATURES)
+
+
+@cache
+def shipped() -> CurveModel:
+    """The model that lies beside this module."""
+    return CurveModel.from_json(json.loads(shipped_text()))
+
+
+def shipped_text() -> str:
+    """Its content: what depends on the model is keyed by it."""
+    return (resources.files("labeler.tracking") / FILE_NAME).read_text(encoding="utf-8")
+
+
+def _means_near(values: _Array, place: NDArray[np.intp], time_s: _Array) -> _Array:
+    """(N,) mean of the values (N,) of the same track within ``_NEAR_S``; ``time_s`` (N,) counts from its beginning."""
+    apart = float(time_s.max()) + 3 * _NEAR_S
+    at = place * apart + time_s  # one row of time, track after track
+    low = np.searchsorted(at, at - _NEAR_S * (1 + 1e-9), side="left")
+    high = np.searchsorted(at, at + _NEAR_S * (1 + 1e-9), side="right")
+    total = np.concatenate([np.zeros(1), np.cumsum(values)])
+    return (total[high] - total[low]) / (high - low)
 
 
 def _time_to_nearest(boxes: JudgedBoxes, place: NDArray[np.intp], sure: NDArray[np.bool_]) -> _Array:

@@ -2,11 +2,13 @@
 
 import numpy as np
 import pytest
+from scipy.special import logit
 
 from labeler.propagation import collect_votes
 from labeler.propagation.labelling import label_features, label_observations
-from labeler.propagation.probability import FEATURES, Model, probability_of, shipped
+from labeler.propagation.probability import FEATURES, probability_of, shipped
 from labeler.tracking import NO_DETECTION, Observations
+from labeler.tracking.curves import CurveModel
 from tests.labeler.propagation.rows import CAR, TRUCK
 
 TEN_HZ_NS = 100_000_000 * np.arange(30, dtype=np.int64)
@@ -21,7 +23,7 @@ def seen() -> Observations:
         score=np.array([0.75, 0.25, np.nan], np.float32),
         class_id=np.array([CAR, TRUCK, CAR], np.int16),
         detection_index=np.array([0, 0, NO_DETECTION], np.int32),
-        trust=np.array([0.9, 0.5, 0.25], np.float32),
+        trust=np.array([0.9, 0.75, 0.5], np.float32),
     )
 
 
@@ -34,7 +36,7 @@ def test_features() -> None:
         "own_score": [0.75, 0.25, 0],
         "filled": [0, 0, 1],
         "other_class": [0, 1, 0],
-        "trust": [0.9, 0.5, 0.25],
+        "trust": [0.9, 0.75, 0.5],
         "donor_s": np.log([1, 2, 3]),  # 0, 1 and 2 seconds
         "height": np.log([20, 10, 1]),  # a quarter of a pixel counts as one
         "observations": np.log([3, 3, 3]),
@@ -48,13 +50,13 @@ def test_features() -> None:
 def test_curves_bend_at_their_knots_and_go_on_level() -> None:
     level = (np.array([0.0, 1.0]), np.array([0.0, 0.0]))
     bent = (np.array([0.0, 0.5, 1.0]), np.array([0.0, 1.0, 0.0]))
-    model = Model(-1.0, {name: bent if name == "trust" else level for name in FEATURES})
+    model = CurveModel(-1.0, {name: bent if name == "trust" else level for name in FEATURES})
     rows = np.zeros((4, len(FEATURES)))
     rows[:, FEATURES.index("trust")] = [-3, 0.25, 0.5, 7]
-    np.testing.assert_allclose(model.log_odds(rows), [-1, -0.5, 0, -1])
+    np.testing.assert_allclose(logit(probability_of(rows, model)), [-1, -0.5, 0, -1], atol=1e-12)
     assert probability_of(rows, model)[2] == 0.5
-    again = Model.from_json(model.to_json())
-    np.testing.assert_allclose(again.log_odds(rows), model.log_odds(rows))
+    again = CurveModel.from_json(model.to_json())
+    np.testing.assert_allclose(probability_of(rows, again), probability_of(rows, model))
 
 
 @pytest.mark.parametrize("name", ["trust", "own_score", "class_share"])

@@ -42,8 +42,8 @@ def ids(observed: list[Observations]) -> list[list[int]]:
 @pytest.mark.parametrize(
     ("scores", "expected"),
     [
-        ([0.55, 0.55, 0.9], [[], [], [0]]),  # a detection that is not sure begins nothing
-        ([0.6, 0.1, 0.6], [[0], [0], [0]]),  # the thresholds themselves suffice
+        ([0.44, 0.44, 0.9], [[], [], [0]]),  # a detection that is not sure begins nothing
+        ([0.45, 0.1, 0.45], [[0], [0], [0]]),  # the thresholds themselves suffice
     ],
 )
 def test_scores(scores: list[float], expected: list[list[int]]) -> None:
