@@ -1,14 +1,15 @@
 """3D boxes by the pillar network, direction by direction; the method "pillars".
 
-A detection that the network has no box for (too far, too few points, a class that it was not taught) is boxed without
-weights, of the points that lie in no box of the network; so is a camera without a segmentation, where the network takes
-painted points.
+The network knows best what is a vehicle and about where; the sides of what it finds are told more exactly by the points
+themselves. So the same detections are also boxed without weights, and where both agree the box that is fitted to the
+points is taken, with the network's score and class. Where they don't, the network is right more often. A detection that
+it has no box for (too far, too few points, a class that it was not taught) keeps the box made without weights, and so
+do those of a camera without a segmentation, where the network takes painted points.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -21,6 +22,7 @@ from labeler.lidar.makers import CameraInput, LidarError
 from labeler.lidar.pillars.association import associate
 from labeler.lidar.pillars.decode import PillarBoxes
 from labeler.lidar.pillars.direction import Direction, direction_cloud
+from labeler.lidar.pillars.joining import joined, seen_by_several
 from labeler.lidar.pillars.network import PillarModel
 from labeler.lidar.scene import Scene
 from labeler.lidar.types import Boxes3D, BoxSource
@@ -48,28 +50,19 @@ class PillarBoxMaker:
     def boxes(self, scene: Scene, cameras: Mapping[str, CameraInput]) -> dict[str, Boxes3D]:
         """As :class:`labeler.lidar.makers.BoxMaker` has it."""
         found = {name: self._of_direction(scene, camera) for name, camera in cameras.items()}
-        if not self._config.fill:
-            return {name: boxes for name, (boxes, _) in found.items()}
-        boxed: NDArray[np.intp] = np.concatenate([np.zeros(0, np.intp), *(rows for _, rows in found.values())])
-        left = {
-            name: np.setdiff1d(np.arange(len(camera.detections)), found[name][0].detection_index)
-            for name, camera in cameras.items()
-        }
-        rest = self._without_weights.boxes(
-            replace(scene, clear=np.setdiff1d(scene.clear, boxed)),
-            {name: replace(camera, detections=camera.detections[left[name]]) for name, camera in cameras.items()},
-        )
-        return {name: _joined(found[name][0], rest[name], left[name]) for name in cameras}
+        if not self._config.fit:
+            return seen_by_several(found)
+        fitted = self._without_weights.boxes(scene, cameras)
+        return seen_by_several({name: joined(found[name], fitted[name]) for name in cameras})
 
-    def _of_direction(self, scene: Scene, camera: CameraInput) -> tuple[Boxes3D, NDArray[np.intp]]:
-        """The boxes of a direction that belong to a detection, and the rows of the scene that lie in them."""
-        nothing = Boxes3D.empty(), np.zeros(0, np.intp)
+    def _of_direction(self, scene: Scene, camera: CameraInput) -> Boxes3D:
+        """The network's boxes of a direction that belong to a detection."""
         if not len(camera.detections) or not len(scene.clear) or (self._model.painted and camera.scores is None):
-            return nothing
+            return Boxes3D.empty()
         cloud, rows = direction_cloud(scene, camera.view, camera.scores, self._config)
         found = self._model.find(cloud, min_score=self._config.min_network_score)
         if not len(found):
-            return nothing
+            return Boxes3D.empty()
         held = _held(cloud, found)
         direction = Direction.of(camera.view)
         xy_m, yaw_rad = direction.to_ego(found.center_m[:, :2]), found.yaw_rad + direction.yaw_rad
@@ -82,7 +75,7 @@ class PillarBoxMaker:
         kept = [held[row] for row in numbers]
         extents = [_extent(cloud[inside], found, row) for row, inside in zip(numbers, kept, strict=True)]
         of_class = self._class_of[found.class_index[chosen]]
-        boxes = Boxes3D(
+        return Boxes3D(
             center_m=center_m[chosen].astype(np.float32),
             size_m=found.size_m[chosen].astype(np.float32),
             yaw_rad=((yaw_rad[chosen] + np.pi) % (2 * np.pi) - np.pi).astype(np.float32),
@@ -96,7 +89,6 @@ class PillarBoxMaker:
             seen_m=np.array(extents, np.float32).reshape(-1, 4),
             offset_s=np.array([scene.offset_s[rows[inside]].mean() for inside in kept], np.float32),
         )
-        return boxes, np.concatenate([np.zeros(0, np.intp), *(rows[inside] for inside in kept)])
 
 
 def shipped_network() -> Path:
@@ -142,10 +134,3 @@ def _extent(cloud: NDArray[np.float32], boxes: PillarBoxes, row: int) -> list[fl
     """How far the points reach from the centre in the box's axes: lowest along and across, highest along and across."""
     along_m, across_m = _in_box_axes(cloud[:, :2], boxes, row)
     return [float(along_m.min()), float(across_m.min()), float(along_m.max()), float(across_m.max())]
-
-
-def _joined(own: Boxes3D, rest: Boxes3D, left: NDArray[np.intp]) -> Boxes3D:
-    """The network's boxes and those of the detections that were ``left``, in order of the detections."""
-    rest = replace(rest, detection_index=left[rest.detection_index].astype(np.int32))
-    boxes = Boxes3D.concatenate([own, rest])
-    return boxes[np.argsort(boxes.detection_index, kind="stable")]

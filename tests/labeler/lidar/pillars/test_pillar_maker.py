@@ -63,7 +63,8 @@ def detection_of(*places: tuple[float, float, float], class_id: int = 2) -> Dete
 
 @pytest.fixture
 def config(tmp_path: Path) -> LidarConfig:
-    return LidarConfig(method="pillars", network=str(write_network(tmp_path / "p.onnx", FOUND)))
+    """The network's boxes alone."""
+    return LidarConfig(method="pillars", network=str(write_network(tmp_path / "p.onnx", FOUND)), fit=False)
 
 
 def make(config: LidarConfig, made: Scene, **cameras: CameraInput) -> dict[str, Boxes3D]:
@@ -95,15 +96,15 @@ def test_one_network_serves_every_direction(config: LidarConfig) -> None:
     assert np.degrees(found["left"].yaw_rad[0]) == pytest.approx(110, abs=1e-3)
 
 
-def test_what_the_network_does_not_find_is_boxed_without_weights_if_wanted(config: LidarConfig) -> None:
-    made = scene(car(*FOUND), car(*MISSED))
+def test_boxes_made_without_weights_are_exact_and_fill_what_the_network_does_not_find(config: LidarConfig) -> None:
     front = CameraInput(view(), detection_of(MISSED, FOUND), scores())
-    filled = make(config, made, front=front)["front"]
-    alone = make(replace(config, fill=False), made, front=front)["front"]
-    assert filled.detection_index.tolist() == [0, 1]
-    assert filled.source.tolist() == [BoxSource.CLUSTER, BoxSource.PILLARS]
-    np.testing.assert_allclose(filled.center_m[0, :2], MISSED[:2], atol=0.3)
-    assert alone.detection_index.tolist() == [1]
+    made = scene(car(FOUND[0] + 0.2, FOUND[1], FOUND[2]), car(*MISSED))  # .2 m farther than the network says
+    found = make(replace(config, fit=True), made, front=front)["front"]
+    assert found.detection_index.tolist() == [0, 1]
+    assert found.source.tolist() == [BoxSource.CLUSTER, BoxSource.FITTED]
+    np.testing.assert_allclose(found.center_m[:, :2], [MISSED[:2], (FOUND[0] + 0.2, FOUND[1])], atol=0.06)
+    network_alone = make(config, made, front=front)["front"]
+    assert found.score[1] == network_alone.score[0]
 
 
 def test_a_class_that_the_detector_does_not_know_is_the_detection_s(tmp_path: Path) -> None:
@@ -126,20 +127,21 @@ def test_where_the_network_has_nothing_to_say(
     painted: bool, sources: list[BoxSource],
 ) -> None:  # fmt: skip
     front = CameraInput(view(), detection_of(*detections), scores() if painted else None)
-    found = make(config, scene(*(car(*place) for place in cars)), front=front)["front"]
+    found = make(replace(config, fit=True), scene(*(car(*place) for place in cars)), front=front)["front"]
     assert found.source.tolist() == sources
 
 
 @pytest.mark.parametrize("points", [np.zeros((0, 3)), np.full((5, 3), np.nan), car(-30.0, 0.0, 0.0)])
 def test_sweeps_with_nothing_in_a_direction_give_no_boxes(config: LidarConfig, points: np.ndarray) -> None:
     made = prepare_scene(Sweep(0, points.astype(np.float32), np.full(len(points), np.nan, np.float32)), config)
-    found = make(config, made, front=CameraInput(view(), detection_of(FOUND), scores()))
+    found = make(replace(config, fit=True), made, front=CameraInput(view(), detection_of(FOUND), scores()))
     assert len(found["front"]) == 0
 
 
 def test_an_unpainted_network_needs_no_segmentation(tmp_path: Path) -> None:
     network = write_network(tmp_path / "p.onnx", FOUND, takes_paint=False)
-    maker = open_box_maker(LidarConfig(method="pillars", network=str(network)), class_names=CLASS_NAMES)
+    config = LidarConfig(method="pillars", network=str(network), fit=False)
+    maker = open_box_maker(config, class_names=CLASS_NAMES)
     found = maker.boxes(scene(car(*FOUND)), {"front": CameraInput(view(), detection_of(FOUND))})["front"]
     assert not maker.takes_paint
     assert found.source.tolist() == [BoxSource.PILLARS]
