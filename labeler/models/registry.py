@@ -112,6 +112,7 @@ SHIPPED = (
     ShippedModel(
         "sim-segmentation", Task.SEGMENTATION, "291426d1c092b42c9ac2f09763a383db3d30977643a092f7b6dd6018d99726ee"
     ),
+    ShippedModel("sim-pillars", Task.BOXES, "f1faaf1bfe72fccf59da8e27964aed65888e9202c0d77b1172521d2fd76c7035"),
 )
 
 

@@ -7,6 +7,7 @@ import pytest
 from typer.testing import CliRunner
 
 from app.cli import main
+from tests.labeler.training.test_clouds import one_frame
 from tests.labeler.training.test_pictures import make_drive
 
 
@@ -32,6 +33,27 @@ def test_a_model_is_trained_written_and_measured(tmp_path: Path, task: str, file
     assert (report["model"], report["images"], report["drives"]) == (file, 1, ["train0"])
     table = run("validate", str(tmp_path / "run" / file), "--drives", str(tmp_path / "drives"))
     assert column in table
+
+
+def test_a_pillar_network_is_trained_written_and_measured(tmp_path: Path) -> None:
+    for package in ("torch", "onnx"):
+        pytest.importorskip(package, reason=f"needs {package}, of the extra `training`")
+    drives = ("--drives", str(one_frame(tmp_path / "drives" / "train0").parent))
+
+    run("pillars", str(tmp_path / "run"), *drives, "--steps", "2", "--batch-size", "2")
+    file = str(tmp_path / "run" / "sim-pillars.onnx")
+    report = json.loads(run("validate", file, *drives, "--json"))
+
+    assert (report["model"], report["painted"], report["directions"]) == ("sim-pillars.onnx", True, 4)
+    assert "right class" in run("validate", file, *drives)
+    assert [path.name[:7] for path in (tmp_path / "clouds").iterdir()] == ["train0-"]
+
+
+def test_pillars_need_a_painter(tmp_path: Path) -> None:
+    result = CliRunner().invoke(main, ["train", "pillars", str(tmp_path / "run"), "-d", "nowhere", "--painter", "none"])
+
+    assert result.exit_code == 1
+    assert "Points need a segmentation" in result.stderr
 
 
 def test_a_folder_without_drives_is_named(tmp_path: Path) -> None:

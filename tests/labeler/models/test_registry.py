@@ -13,6 +13,7 @@ def test_names_are_unique_and_in_the_order_of_size() -> None:
     assert registered_names() == (
         "sim-yolox-nano",
         "sim-segmentation",
+        "sim-pillars",
         *("yolox-nano", "yolox-tiny", "yolox-s", "yolox-m", "yolox-l", "yolox-x"),
     )
     sizes = [model.size_bytes or 0 for model in OFFICIAL]
