@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import os
 import threading
 from collections.abc import Mapping, Sequence
 from functools import cache
@@ -25,6 +26,8 @@ GPU_PROVIDERS = (
 )
 """By preference. TensorRT is left out: it compiles for minutes for each new input shape. It can be asked for by name.
 """
+
+_NO_TELEMETRY = "ORT_DISABLE_TELEMETRY"
 
 _log = logging.getLogger(__name__)
 
@@ -60,6 +63,7 @@ class _SessionOptions(Protocol):
 
 
 class _Onnxruntime(Protocol):
+    def disable_telemetry_events(self) -> None: ...
     def get_available_providers(self) -> Sequence[str]: ...
     def SessionOptions(self) -> _SessionOptions: ...
     def InferenceSession(
@@ -71,8 +75,13 @@ class _Onnxruntime(Protocol):
 def _onnxruntime() -> _Onnxruntime:
     """onnxruntime, which has no types of its own, by the part of it that is in use.
 
-    Loaded when it is first needed: worker processes that only read detections do without it."""
-    return cast(_Onnxruntime, import_module("onnxruntime"))
+    Loaded when it is first needed: worker processes that only read detections do without it. Builds of it from 1.32 on
+    tell their maker of every session by way of the network, unless they are asked not to: nothing leaves this machine.
+    """
+    os.environ[_NO_TELEMETRY] = "1"  # read while it is loaded; the call alone comes too late
+    loaded = cast(_Onnxruntime, import_module("onnxruntime"))
+    loaded.disable_telemetry_events()
+    return loaded
 
 
 class OpenSession:
