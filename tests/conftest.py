@@ -7,6 +7,8 @@ import pytest
 
 from tests.made_drive import write_drive, write_model
 
+os.environ["ORT_DISABLE_TELEMETRY"] = "1"  # for tests that load onnxruntime by themselves
+
 SHARED = Path(__file__).resolve().parents[2] / "shared"
 
 

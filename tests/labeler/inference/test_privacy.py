@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 LOOK = """
 import os
@@ -23,9 +24,9 @@ except ModelError:
 """
 
 
-def test_onnxruntime_is_told_to_report_nothing_before_it_is_loaded(tmp_path: os.PathLike[str]) -> None:
+def test_onnxruntime_is_told_to_report_nothing_before_it_is_loaded(tmp_path: Path) -> None:
     environment = {name: value for name, value in os.environ.items() if name != "ORT_DISABLE_TELEMETRY"}
-    environment["PYTHONPATH"] = os.getcwd()
+    environment["PYTHONPATH"] = str(Path(__file__).parents[3])
     found = subprocess.run(
         [sys.executable, "-c", LOOK], cwd=tmp_path, env=environment, capture_output=True, text=True, check=True
     )
