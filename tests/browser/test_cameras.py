@@ -72,6 +72,7 @@ def test_playing_shows_every_frame(page: Page, small_review: str) -> None:
     page.keyboard.press("Space")
     # Playback waits for what is not here yet, and a busy machine takes its time to read the pictures back.
     expect(_view(page, "front")).to_have_attribute("data-frame", "59", timeout=PLAYED_MS)
+    page.wait_for_function("() => seen.at(-1).every(([, number]) => number === 59)")
     seen: list[list[tuple[int, int]]] = page.evaluate("() => { cancelAnimationFrame(window.watching); return seen; }")
     shown = list(dict.fromkeys(number for views in seen for _, number in views))
     assert shown == list(range(45, 60))

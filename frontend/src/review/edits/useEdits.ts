@@ -1,10 +1,11 @@
 /** Corrections: one after the other, with the revision that the page shows; what came of it is told in a notice. */
 
-import { useMutation, useQueryClient } from "@tanstack/react-query";
+import { useQueryClient } from "@tanstack/react-query";
 import { create } from "zustand";
 import { api, messageOf, unwrap } from "../../api/client";
 import { identitiesQuery } from "../../api/queries";
 import type { Correction, EditChange } from "../../api/types";
+import { useQuietMutation } from "../../api/useQuietMutation";
 import { text } from "../../strings";
 import { useShared } from "../ReviewContext";
 import { describeEdit } from "./describe";
@@ -68,7 +69,7 @@ export function useEdits() {
   const mutationKey = ["decide", driveId];
   const { show } = useEditNotice.getState();
 
-  const { mutateAsync } = useMutation({
+  const mutate = useQuietMutation({
     mutationKey,
     scope: { id: `decide-${driveId}` },
     mutationFn: (ask: Ask) => send(driveId, ask, observations.knownRevision()),
@@ -94,7 +95,7 @@ export function useEdits() {
 
   // What was refused is told by the notice; nobody else waits for it.
   const ask = (what: Ask): Promise<boolean> =>
-    mutateAsync(what).then(
+    mutate(what).then(
       () => true,
       () => false,
     );

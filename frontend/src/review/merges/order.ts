@@ -3,9 +3,18 @@
 import type { Merge, MergeState } from "../../api/types";
 import { byPriority } from "../queue/queueLists";
 
-/** Merges of a state, by impact times uncertainty. */
-export function mergesOf(merges: readonly Merge[], state: MergeState): Merge[] {
-  return merges.filter((merge) => merge.state === state).sort(byPriority);
+const ordered = new WeakMap<readonly Merge[], Map<MergeState, readonly Merge[]>>();
+
+/** Merges of a state, by impact times uncertainty. Worked out once for a list, which is not to be changed. */
+export function mergesOf(merges: readonly Merge[], state: MergeState): readonly Merge[] {
+  let known = ordered.get(merges);
+  if (!known) {
+    known = new Map();
+    ordered.set(merges, known);
+  }
+  const found = known.get(state) ?? merges.filter((merge) => merge.state === state).sort(byPriority);
+  known.set(state, found);
+  return found;
 }
 
 /** The merge `step` places after the given one; at an end, that end. Without a current one, the first. */

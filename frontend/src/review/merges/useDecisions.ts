@@ -1,11 +1,12 @@
 /** Accept, reject, undo: shown at once, saved behind it, taken back with the server's sentence if it refuses. */
 
-import { type QueryClient, useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
+import { type QueryClient, useQuery, useQueryClient } from "@tanstack/react-query";
 import { useCallback, useMemo } from "react";
 import { create } from "zustand";
 import { ApiError, api, messageOf, unwrap } from "../../api/client";
 import { identitiesQuery, mergesKey, mergesQuery, tracksQuery } from "../../api/queries";
 import type { Merge, MergeState } from "../../api/types";
+import { useQuietMutation } from "../../api/useQuietMutation";
 import { text } from "../../strings";
 import type { FrameObservations } from "../cameras/observationStore";
 import { useShared } from "../ReviewContext";
@@ -109,11 +110,12 @@ export function useDecisions() {
   /** Sends a decision at once where no other is on its way: the server works on it while the page is painted. */
   const send = (merge: Merge, decision: Decision) => {
     frames.hold();
-    if (client.isMutating({ mutationKey }) > 0) mutate({ merge, decision });
-    else {
+    const asked: Asked = { merge, decision };
+    if (client.isMutating({ mutationKey }) === 0) {
       const revision = observations.knownRevision();
-      mutate({ merge, decision, sent: { revision, answer: post(decision, merge.id, revision) } });
+      asked.sent = { revision, answer: post(decision, merge.id, revision) };
     }
+    mutate(asked).catch(() => undefined); // said on its card by onError
   };
 
   const forget = (id: number) => {
@@ -121,7 +123,7 @@ export function useDecisions() {
     setDecided(decided.filter((one) => one !== id));
   };
 
-  const { mutate } = useMutation({
+  const mutate = useQuietMutation({
     mutationKey,
     scope: { id: `decide-${driveId}` },
     mutationFn: async ({ merge, decision, sent }: Asked) => {

@@ -59,9 +59,12 @@ export function upNext(list: QueueList, order: readonly Merge[], shownId: number
 /** Carries the priorities of first sight over to newer answers: what is decided changes others', and cards would jump. */
 export function keepPriorities(before: readonly Merge[] | undefined, after: Merge[]): Merge[] {
   if (!before) return after;
-  const first = new Map(before.map((merge) => [merge.id, merge.priority]));
-  return after.map((merge) => {
-    const priority = first.get(merge.id);
+  let first: Map<number, number> | undefined;
+  return after.map((merge, at) => {
+    const there = before[at];
+    if (there === merge) return merge; // most are, after a decision
+    first ??= new Map(before.map((one) => [one.id, one.priority]));
+    const priority = there?.id === merge.id ? there.priority : first.get(merge.id);
     return priority === undefined || priority === merge.priority ? merge : { ...merge, priority };
   });
 }
