@@ -63,8 +63,8 @@ export function keepPriorities(before: readonly Merge[] | undefined, after: Merg
   return after.map((merge, at) => {
     const there = before[at];
     if (there === merge) return merge; // most are, after a decision
-    first ??= new Map(before.map((one) => [one.id, one.priority]));
-    const priority = there?.id === merge.id ? there.priority : first.get(merge.id);
+    if (there?.id !== merge.id) first ??= new Map(before.map((one) => [one.id, one.priority]));
+    const priority = there?.id === merge.id ? there.priority : first?.get(merge.id);
     return priority === undefined || priority === merge.priority ? merge : { ...merge, priority };
   });
 }
