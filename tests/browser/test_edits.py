@@ -109,7 +109,7 @@ def test_swapping_by_key(page: Page, review: str) -> None:
     page.keyboard.press("Alt+s")
     _said(page, "#3, #4 swapped from frame 4 on")
     # 4 was seen until frame 3 only, so 3 ends there and what was 3 is 4 from here on: in another camera
-    expect(page.get_by_role("region", name="#4 truck").get_by_text("left", exact=True).first).to_be_visible()
+    expect(page.get_by_role("region", name="#4 car").get_by_text("left", exact=True).first).to_be_visible()
     page.keyboard.press("Control+z")
     _said(page, "Undone: #3, #4 swapped from frame 4 on")
 

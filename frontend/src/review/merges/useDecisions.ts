@@ -7,6 +7,7 @@ import { ApiError, api, messageOf, unwrap } from "../../api/client";
 import { identitiesQuery, mergesKey, mergesQuery, tracksQuery } from "../../api/queries";
 import type { Merge, MergeState } from "../../api/types";
 import { useQuietMutation } from "../../api/useQuietMutation";
+import { afterPaint } from "../../app/afterPaint";
 import { text } from "../../strings";
 import type { FrameObservations } from "../cameras/observationStore";
 import { useShared } from "../ReviewContext";
@@ -138,16 +139,19 @@ export function useDecisions() {
         observations.changedHere(change.revision, whole ? (change.observations as FrameObservations[]) : undefined);
         frames.refreshObservations();
       }
-      // What others are on their way with is not undone by what the server knew before it.
-      const waiting = new Set(pendingMerges(client, mutationKey));
-      replace(...change.merges.filter((merge) => merge.id === change.merge.id || !waiting.has(merge.id)));
-      if (whole) takeOver(change);
-      else void client.invalidateQueries({ queryKey: ["drive", driveId] });
-      const { mergeId, select } = store.getState();
-      if (decision === "undo") {
-        forget(change.merge.id);
-        open(change.merge);
-      } else if (mergeId === null) select(change.identity_ids);
+      // The labels in the pictures come first; lists and lanes follow.
+      afterPaint(() => {
+        // What others are on their way with is not undone by what the server knew before it.
+        const waiting = new Set(pendingMerges(client, mutationKey));
+        replace(...change.merges.filter((merge) => merge.id === change.merge.id || !waiting.has(merge.id)));
+        if (whole) takeOver(change);
+        else void client.invalidateQueries({ queryKey: ["drive", driveId] });
+        const { mergeId, select } = store.getState();
+        if (decision === "undo") {
+          forget(change.merge.id);
+          open(change.merge);
+        } else if (mergeId === null) select(change.identity_ids);
+      });
     },
     onError: (cause, { merge }) => {
       replace(merge);
@@ -157,7 +161,7 @@ export function useDecisions() {
       open(merge);
     },
     onSettled: async (_, error) => {
-      frames.release();
+      afterPaint(() => frames.release());
       // Others may be on their way: the last one asks for the whole truth, or it would undo what they show.
       if (client.isMutating({ mutationKey }) !== 1) return;
       void client.invalidateQueries({ queryKey: ["drive", driveId, "looks"], refetchType: "none" });
