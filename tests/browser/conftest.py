@@ -11,7 +11,7 @@ from tests.big_drive.making import SMALL, make_workspace
 from tests.browser.serving import serving
 from tests.chromium import headless_chromium
 
-SHOWN_MS = 30_000
+SHOWN_MS = 60_000
 
 
 @pytest.fixture(scope="module")
@@ -26,6 +26,7 @@ def browser() -> Iterator[Browser]:
 def page(browser: Browser) -> Iterator[Page]:
     """An empty tab in a profile of its own. The test fails when the page throws an error that nobody catches."""
     context = browser.new_context(viewport={"width": 1600, "height": 1000}, color_scheme="light")
+    context.set_default_timeout(SHOWN_MS)
     tab = context.new_page()
     errors: list[str] = []
     tab.on("pageerror", lambda error: errors.append(str(error)))
