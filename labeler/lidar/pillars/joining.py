@@ -48,7 +48,8 @@ def seen_by_several(boxes: Mapping[str, Boxes3D]) -> dict[str, Boxes3D]:
     taken = np.arange(len(every))
     is_free = np.ones(len(every), np.bool_)
     reach_m = np.hypot(every.size_m[:, 0], every.size_m[:, 1]) / 2
-    for row in np.argsort(-every.score, kind="stable").tolist():
+    surest_first: list[int] = np.argsort(-every.score, kind="stable").tolist()
+    for row in surest_first:
         if not is_free[row]:
             continue
         is_free[row] = False
