@@ -79,7 +79,7 @@ def test_what_is_near_counts_in_the_same_track_only() -> None:
     boxes = JudgedBoxes(
         track=np.repeat([3, 8], 4),
         frame=np.tile(np.arange(4), 2),
-        time_s=np.tile(0.3 * np.arange(4), 2),
+        time_s=np.tile([0.0, 0.3, 0.6, 0.9], 2),
         score=score,
         on_path=np.ones(8),
         xyxy_px=np.tile([0.0, 0, 10, 10], (8, 1)),
