@@ -113,7 +113,7 @@ function Review({ drive }: { drive: DriveDetail }) {
         )}
         {drive.warnings.length > 0 && (
           <Tooltip label={drive.warnings.join(" ")} multiline maw={420}>
-            <Text size="sm" c="orange" tabIndex={0}>
+            <Text size="sm" c="var(--warning)" tabIndex={0}>
               {text.review.warnings(drive.warnings.length)}
             </Text>
           </Tooltip>

@@ -25,7 +25,7 @@ def test_a_model_is_added_listed_found_and_checked(made_model: Path, folder: Pat
     assert hindsight("add", str(made_model), "--as", "mine", "--licence", "MIT").exit_code == 0
     assert hindsight("path", "mine").stdout.strip() == str(folder / "mine.onnx")
     entries = {entry["name"]: entry for entry in json.loads(hindsight("list", "--json").stdout)}
-    assert list(entries)[:3] == ["sim-yolox-nano", "sim-segmentation", "yolox-nano"]
+    assert list(entries)[:4] == ["sim-yolox-nano", "sim-segmentation", "sim-pillars", "yolox-nano"]
     assert (entries["mine"]["task"], entries["mine"]["licence"]) == ("detection", "MIT")
     assert entries["yolox-x"]["path"] is None
     assert entries["sim-yolox-nano"]["path"] == hindsight("path", "sim-yolox-nano").stdout.strip()

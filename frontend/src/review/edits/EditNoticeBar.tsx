@@ -7,12 +7,12 @@ import { useEditNotice, useEdits } from "./useEdits";
 
 const SHOWN_MS = 6_000;
 
-/** What was just done, with its undo; or why it was refused, which stays until it is read. */
+/** What was just done, with its undo; why it was refused, or what somebody else did, which stay until they are read. */
 export function EditNoticeBar() {
   const { notice, dismiss } = useEditNotice();
   const { undo } = useEdits();
   useEffect(() => {
-    if (!notice || notice.kind === "refused") return;
+    if (notice?.kind !== "done") return;
     const timer = setTimeout(dismiss, SHOWN_MS);
     return () => clearTimeout(timer);
   }, [notice, dismiss]);

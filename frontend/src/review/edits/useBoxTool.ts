@@ -47,6 +47,8 @@ export function useBoxTool(): void {
     if (!on) return;
     const { set, repaint } = usePointerTool.getState();
     let gesture: Gesture | null = null;
+    let saving: Gesture | null = null; // stays on the screen until the server's answer takes its place
+    let saved = Promise.resolve(); // one after the other: the next box may be of the object that the last one made
 
     const target = (camera: string, frame: number): Observation | null => {
       const shown = frames.committed();
@@ -71,13 +73,12 @@ export function useBoxTool(): void {
           interpolate: true,
         });
       }
-      if (gesture === done) gesture = null;
+      if (saving === done) saving = null;
       repaint();
     };
 
     const tool: PointerTool = {
       down: (at) => {
-        if (gesture) return true; // the last one is being saved
         store.getState().setPlaying(false);
         const of = target(at.camera, at.frame);
         const box = of && (of.box as unknown as Box);
@@ -97,8 +98,12 @@ export function useBoxTool(): void {
         if (!gesture) return;
         const moved = Math.hypot(at.x - gesture.from.x, at.y - gesture.from.y) > 2 * at.pxPerScreenPx;
         gesture.box = boxOf(gesture, at);
-        if (moved) void save(gesture);
-        else gesture = null;
+        const done = gesture;
+        gesture = null;
+        if (moved) {
+          saving = done;
+          saved = saved.then(() => save(done));
+        }
         repaint();
       },
       cancel: () => {
@@ -113,7 +118,7 @@ export function useBoxTool(): void {
       },
       paint: (ctx, { camera, frame, transform }) => {
         const of = target(camera, frame);
-        const mine = gesture?.camera === camera && gesture.frame === frame ? gesture : null;
+        const mine = [gesture, saving].find((one) => one?.camera === camera && one.frame === frame);
         const box = mine?.box ?? (of && (of.box as unknown as Box));
         if (!box) return;
         const toScreen = ([x, y]: readonly [number, number]) =>
