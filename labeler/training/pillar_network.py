@@ -17,7 +17,7 @@ from torch.nn.functional import interpolate
 
 from labeler.lidar.pillars.decode import STRIDE, Outputs
 from labeler.lidar.pillars.grouping import Grid, features_of
-from labeler.training.yolox_network import Pointwise, Unit, unit_3x3
+from labeler.training.yolox_network import AddedUnit, Pointwise, Unit, unit_3x3
 
 _PILLAR_CHANNELS = 32
 _WIDTHS = (32, 64, 128)
@@ -27,19 +27,8 @@ _PRIOR_LOGIT = -4.6
 """A hundredth: few cells hold the middle of a vehicle."""
 
 
-class _Block(nn.Module):
-    """3 x 3 and back, added to what came in."""
-
-    def __init__(self, channels: int) -> None:
-        super().__init__()
-        self.unit = unit_3x3(channels, channels, depthwise=True)
-
-    def forward(self, x: Tensor) -> Tensor:
-        return x + self.unit(x)
-
-
 def _level(shrink: nn.Module, channels: int, blocks: int) -> nn.Sequential:
-    return nn.Sequential(shrink, *(_Block(channels) for _ in range(blocks)))
+    return nn.Sequential(shrink, *(AddedUnit(channels) for _ in range(blocks)))
 
 
 class PillarNetwork(nn.Module):

@@ -14,7 +14,7 @@ import torch
 from torch import Tensor, nn
 from torch.nn.functional import interpolate
 
-from labeler.training.yolox_network import Pointwise, PyramidPooling, Unit, unit_3x3
+from labeler.training.yolox_network import AddedUnit, Pointwise, PyramidPooling, Unit, unit_3x3
 
 STRIDE_PX = 4
 _WIDTHS = (16, 32, 48, 96, 128)
@@ -22,20 +22,9 @@ _BLOCKS = (1, 2, 3, 2)
 _MERGED = 48
 
 
-class _Block(nn.Module):
-    """3 x 3 and back, added to what came in."""
-
-    def __init__(self, channels: int) -> None:
-        super().__init__()
-        self.unit = unit_3x3(channels, channels, depthwise=True)
-
-    def forward(self, x: Tensor) -> Tensor:
-        return x + self.unit(x)
-
-
 def _level(channels_in: int, channels_out: int, blocks: int) -> nn.Sequential:
     shrink = unit_3x3(channels_in, channels_out, stride=2, depthwise=True)
-    return nn.Sequential(shrink, *(_Block(channels_out) for _ in range(blocks)))
+    return nn.Sequential(shrink, *(AddedUnit(channels_out) for _ in range(blocks)))
 
 
 class SegmentationNetwork(nn.Module):

@@ -77,6 +77,17 @@ def unit_3x3(channels_in: int, channels_out: int, *, stride: int = 1, depthwise:
     )
 
 
+class AddedUnit(nn.Module):
+    """A depthwise 3 x 3 unit, added to what came in."""
+
+    def __init__(self, channels: int) -> None:
+        super().__init__()
+        self.unit = unit_3x3(channels, channels, depthwise=True)
+
+    def forward(self, x: Tensor) -> Tensor:
+        return x + self.unit(x)
+
+
 class _Bottleneck(nn.Module):
     def __init__(self, channels: int, *, shortcut: bool, depthwise: bool) -> None:
         super().__init__()
