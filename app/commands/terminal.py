@@ -15,6 +15,7 @@ STAGES = {
     "segment": "Segmenting each image",
     "lidar": "Fitting 3D boxes to LiDAR points",
     "track": "Tracking in each camera",
+    "colours": "Looking at the colours of tracks",
     "identity": "Finding tracks of one object",
     "donors": "Choosing the best observations",
     "labels": "Propagating their labels",

@@ -52,6 +52,7 @@ _DIRECTION = {
     "velocity_difference_mps": _FALLS,
     "size_difference": _FALLS,
     "class_agreement": _RISES,
+    "colour_likeness": _RISES,
     "gap_distance_sigmas": _FALLS,
     "gap_distance_m": _FALLS,
     "velocity_sigmas": _FALLS,
@@ -92,7 +93,7 @@ def conditions(scene: Scene, seed: int) -> Iterator[tuple[Scene, Noise]]:
 def samples_of(tracks: OwnedTracks) -> dict[MergeKind, Sample]:
     """The candidates among tracks with what is true of them; without those of which that is not clear."""
     config = IdentityConfig()
-    gathered = gather(tracks.frames, config, class_groups=tracks.class_groups, rig=tracks.rig)
+    gathered = gather(tracks.frames, config, class_groups=tracks.class_groups, rig=tracks.rig, colours=tracks.colours)
     by_kind: dict[MergeKind, list[Candidate]] = {kind: [] for kind in MergeKind}
     for candidate in gathered.candidates(config):
         if candidate.track_a in tracks.object_of and candidate.track_b in tracks.object_of:

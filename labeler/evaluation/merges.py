@@ -31,6 +31,9 @@ _NOT_VEHICLES = (
     "stroller",
     "wheelchair",
 )
+MIN_VISIBLE_PIXELS = 30
+"""Truth that shows fewer pixels than these, where that is recorded, is not seen: a box is of whatever hides it."""
+
 _NOT_OBJECTS = ("dontcare", "cone", "barrier", "sign", "bollard", "debris", "pushable", "rack")
 
 
@@ -106,9 +109,9 @@ def score_merges(
 
 def _vehicles_in_two_cameras(truth: TruthBoxes2D) -> set[str]:
     cameras: dict[str, set[str]] = {}
-    for uuid, camera, category in zip(truth.track_uuid, truth.camera, truth.category, strict=True):
-        if is_vehicle(category):
-            cameras.setdefault(uuid, set()).add(camera)
+    for row in _seen_rows(truth):
+        if is_vehicle(truth.category[row]):
+            cameras.setdefault(truth.track_uuid[row], set()).add(truth.camera[row])
     return {uuid for uuid, names in cameras.items() if len(names) > 1}
 
 
@@ -128,12 +131,12 @@ def _true_object_of_tracks(
 def count_true_objects(
     truth: TruthBoxes2D, camera: str, parts: Iterable[Observations], *, min_iou: float
 ) -> dict[int, Counter[str]]:
-    """How many boxes of each track of a camera match which true object; tracks that match none are missing. Every part
-    holds whole frames."""
+    """How many boxes of each track of a camera match which true object that is seen; tracks that match none are
+    missing. Every part holds whole frames."""
     rows_of: dict[int, list[int]] = {}
-    for row, (name, frame_index) in enumerate(zip(truth.camera, truth.frame_index.tolist(), strict=True)):
-        if name == camera:
-            rows_of.setdefault(frame_index, []).append(row)
+    for row in _seen_rows(truth):
+        if truth.camera[row] == camera:
+            rows_of.setdefault(int(truth.frame_index[row]), []).append(row)
     counts: dict[int, Counter[str]] = {}
     for part in parts:
         for frame_index in np.unique(part.frame_index).tolist():
@@ -143,6 +146,13 @@ def count_true_objects(
                 track = int(here.track_id[observation])
                 counts.setdefault(track, Counter())[truth.track_uuid[rows[row]]] += 1
     return counts
+
+
+def _seen_rows(truth: TruthBoxes2D) -> list[int]:
+    """The rows of truth that enough pixels show, all where that is not recorded."""
+    if truth.visible_pixels is None:
+        return list(range(len(truth.camera)))
+    return np.flatnonzero(truth.visible_pixels >= MIN_VISIBLE_PIXELS).tolist()
 
 
 def _match(boxes_px: NDArray[np.float32], truth_px: NDArray[np.float32], min_iou: float) -> list[tuple[int, int]]:

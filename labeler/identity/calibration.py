@@ -89,7 +89,12 @@ class Calibration:
 
 
 @cache
+def shipped_text() -> str:
+    """The file that lies beside this module: what the probabilities of merges depend on."""
+    return resources.files("labeler.identity").joinpath(FILE_NAME).read_text(encoding="utf-8")
+
+
+@cache
 def shipped_calibration() -> Calibration:
     """The calibration that lies beside this module."""
-    text = resources.files("labeler.identity").joinpath(FILE_NAME).read_text(encoding="utf-8")
-    return Calibration.from_json(json.loads(text))
+    return Calibration.from_json(json.loads(shipped_text()))

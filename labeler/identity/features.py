@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labeler.geometry.se3 import invert_se3
+from labeler.identity.colours import likeness
 from labeler.identity.config import IdentityConfig
 from labeler.identity.rig import Rig
 from labeler.identity.smoothing import predict
@@ -33,6 +34,7 @@ OVERLAP_FEATURES: tuple[tuple[str, str], ...] = (
     ("velocity_difference_mps", "m/s"),
     ("size_difference", "ratio"),
     ("class_agreement", "share"),
+    ("colour_likeness", "share"),
     ("shorter_track_s", "s"),
     ("weaker_score", "score"),
 )
@@ -48,6 +50,7 @@ GAP_FEATURES: tuple[tuple[str, str], ...] = (
     ("leaves_image", "share"),
     ("size_difference", "ratio"),
     ("class_agreement", "share"),
+    ("colour_likeness", "share"),
     ("shorter_track_s", "s"),
     ("weaker_score", "score"),
 )
@@ -263,14 +266,15 @@ def _velocity_difference(a: TrackRecord, b: TrackRecord, time_s: float) -> float
     return math.dist(speeds[0], speeds[1])
 
 
-def _of_both(a: TrackRecord, b: TrackRecord, rig: Rig) -> tuple[float, float, float, float]:
-    """Size difference, class agreement, length of the shorter track in seconds, score of the weaker one."""
+def _of_both(a: TrackRecord, b: TrackRecord, rig: Rig) -> tuple[float, float, float, float, float]:
+    """Size difference, class agreement, likeness of colours, seconds of the shorter track, score of the weaker one."""
     size_a, size_b = a.size_m, b.size_m
     difference = math.nan
     if size_a is not None and size_b is not None:
         difference = float(np.abs(np.log(size_a / size_b)).mean())
     shorter_s = min(rig.seconds(one.last_frame) - rig.seconds(one.first_frame) for one in (a, b))
-    return difference, a.class_agreement(b), shorter_s, min(a.mean_score, b.mean_score)
+    alike = likeness(a.colours, b.colours)
+    return difference, a.class_agreement(b), alike, shorter_s, min(a.mean_score, b.mean_score)
 
 
 class _Sees:

@@ -7,7 +7,7 @@ pairs of tracks, not with frames.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -88,6 +88,7 @@ def merge_by_assignment(
     *,
     class_groups: Sequence[int],
     rig: Rig,
+    colours: Mapping[int, NDArray[np.float32]] | None = None,
     decisions: Decisions | None = None,
     calibration: Calibration | None = None,
 ) -> Merges:
@@ -96,7 +97,7 @@ def merge_by_assignment(
     ``class_groups[class_id]`` is a number; only tracks of one number are merged. Raises ValueError when an observation
     has a class without a number.
     """
-    gathered = gather(frames, config, class_groups=class_groups, rig=rig, decisions=decisions)
+    gathered = gather(frames, config, class_groups=class_groups, rig=rig, colours=colours, decisions=decisions)
     weighed = weigh(gathered.candidates(config), calibration or shipped_calibration())
     return _decide(gathered, weighed, config)
 
@@ -107,9 +108,10 @@ def gather(
     *,
     class_groups: Sequence[int],
     rig: Rig,
+    colours: Mapping[int, NDArray[np.float32]] | None = None,
     decisions: Decisions | None = None,
 ) -> Gathered:
-    """One pass over the frames."""
+    """One pass over the frames. ``colours`` are the histograms of tracks, as far as they are known."""
     decisions = decisions or Decisions()
     numbers: dict[str, int] = {}
     tracks = TrackBook(config.motion)
@@ -124,7 +126,7 @@ def gather(
         for camera, view in frame.views.items():
             shared.add(camera, view.observations.track_id.tolist())
             finder.add(camera, frame.frame_index, view.observations)
-    tracks.close()
+    tracks.close(colours or {})
     return Gathered(tracks, pairs, shared, tuple(numbers), Constraints.of(decisions, finder), rig)
 
 

@@ -6,6 +6,7 @@ ended tracks, and only the states at both ends and a few nodes between them stay
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -37,7 +38,8 @@ class TrackEnd:
 @dataclass(eq=False)
 class TrackRecord:
     """One track. ``class_votes`` are sums of scores by class; ``log_size_sum`` (3,) over ``size_count`` 3D boxes;
-    ``nodes`` (K, 7) rows of frame, time, x, y, speed x, speed y and standard deviation, in the city frame."""
+    ``nodes`` (K, 7) rows of frame, time, x, y, speed x, speed y and standard deviation, in the city frame; ``colours``
+    its histogram (see :mod:`labeler.identity.colours`), None where that is not known."""
 
     track_id: int
     camera: int
@@ -55,6 +57,7 @@ class TrackRecord:
     nodes: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 7)))
     first_edge: bool = False
     last_edge: bool = False
+    colours: NDArray[np.float32] | None = None
 
     @property
     def mean_score(self) -> float:
@@ -106,11 +109,13 @@ class TrackBook:
                 self._last_place_s[track] = time_s
         self._end_those_unseen(time_s)
 
-    def close(self) -> None:
-        """End all tracks and smooth what waits."""
+    def close(self, colours: Mapping[int, NDArray[np.float32]]) -> None:
+        """End all tracks, smooth what waits, and give each its colours."""
         for track in list(self._live):
             self._end(track)
         self._smooth_ended()
+        for track, record in self.records.items():
+            record.colours = colours.get(track)
 
     def _see(self, places: Places, row: int, track: int, edge: bool) -> TrackRecord:
         record = self.records.get(track)

@@ -21,9 +21,10 @@ from numpy.typing import NDArray
 from labeler.detection import DetectionConfig, Detector
 from labeler.detection.classes import suppression_group_of
 from labeler.drive import Camera, Drive, Frame, ImageFile, SweepFile
-from labeler.identity import Decisions, IdentityConfig, Rig
+from labeler.identity import Decisions, IdentityConfig, Rig, calibration
 from labeler.lidar import LidarConfig
 from labeler.pipeline.artifacts import Artifacts, key_of
+from labeler.pipeline.colouring import ColourUnit
 from labeler.pipeline.detecting import DetectUnit
 from labeler.pipeline.lidar_units import LidarFrame, LidarUnit, lidar_frame
 from labeler.pipeline.segmenting import SegmentUnit
@@ -152,10 +153,23 @@ def first_track_id(camera_number: int) -> int:
     return camera_number * TRACK_IDS_PER_CAMERA + 1
 
 
+def colour_units(drive: Drive, tracks: Mapping[str, Path]) -> list[ColourUnit]:
+    """A unit for each camera. The name of its tracks stands for the images that they were found in as well."""
+    planned: list[ColourUnit] = []
+    for camera in drive.cameras:
+        if camera.name not in tracks:
+            continue
+        images = [(frame.index, frame.images[camera.name]) for frame in drive.frames if camera.name in frame.images]
+        path = tracks[camera.name]
+        planned.append(ColourUnit(key_of(path.name), camera, dict(images), path, len(images)))
+    return planned
+
+
 def identity_unit(
     drive: Drive,
     tracks: Mapping[str, Path],
     boxes_3d: Sequence[Path],
+    colours: Sequence[Path],
     classes: Classes,
     config: IdentityConfig,
     decisions: Decisions,
@@ -168,12 +182,14 @@ def identity_unit(
         classes.groups,
         _names(tracks),
         [path.name for path in boxes_3d],
+        [path.name for path in colours],
+        calibration.shipped_text(),
         [(camera.name, camera.width_px, camera.height_px, *_calibration_key(camera)) for camera in drive.cameras],
         rig.timestamp_ns.tolist(),
         poses,
         (decisions.same, decisions.different),
     )
-    return IdentityUnit(key, tracks, tuple(boxes_3d), config, classes.groups, rig, decisions)
+    return IdentityUnit(key, tracks, tuple(boxes_3d), tuple(colours), config, classes.groups, rig, decisions)
 
 
 def rig_of(drive: Drive) -> Rig:

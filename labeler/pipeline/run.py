@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Generator, Iterable, Sequence
+from collections.abc import Generator, Iterable, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -16,10 +16,12 @@ from pathlib import Path
 
 from labeler.detection import open_detector
 from labeler.drive import Drive
-from labeler.identity import Decisions, Merges, MergeState
+from labeler.identity import Decisions, IdentityConfig, Merges, MergeState
+from labeler.identity.config import BASELINE
 from labeler.lidar import LidarConfig, calibration_warnings, takes_paint
 from labeler.pipeline import plan
 from labeler.pipeline.artifacts import Artifacts, key_of
+from labeler.pipeline.colouring import COLOURS, read_colours
 from labeler.pipeline.detecting import detect
 from labeler.pipeline.executors import Executor, open_executor
 from labeler.pipeline.lidar_units import LIDAR, agreement_of
@@ -122,6 +124,7 @@ class _Results:
     segmentation: dict[str, list[Path]]
     tracks: dict[str, Path]
     boxes_3d: list[Path]
+    colours: list[Path]
     identities: Path
     donors: Path
     labels: dict[str, Path]
@@ -152,7 +155,8 @@ def _run_stages(
     track_units = plan.track_units(clips, classes, settings.tracking)
     tracks = dict(zip(clips.of_camera, run.stage(TRACK, track_units), strict=True))
 
-    identity_unit = plan.identity_unit(drive, tracks, boxes_3d, classes, settings.identity, decisions)
+    colours = _colours(run, drive, tracks, settings.identity)
+    identity_unit = plan.identity_unit(drive, tracks, boxes_3d, colours, classes, settings.identity, decisions)
     identities = run.stage(IDENTITY, [identity_unit])[0]
     donors = run.stage(DONORS, [plan.donor_unit(drive, tracks, identities, settings.propagation)])[0]
     label_units = plan.label_units(drive, tracks, identities, donors, settings.propagation)
@@ -165,6 +169,7 @@ def _run_stages(
         segmented.by_camera(),
         tracks,
         boxes_3d,
+        colours,
         identities,
         donors,
         labels,
@@ -182,6 +187,13 @@ def _usable_maker(config: LidarConfig, *, is_painted: bool) -> tuple[LidarConfig
         "was not segmented. Name a segmentation by HINDSIGHT_SEGMENTATION."
     )
     return replace(config, method="clusters", network=None), (told,)
+
+
+def _colours(run: _Run, drive: Drive, tracks: Mapping[str, Path], config: IdentityConfig) -> list[Path]:
+    """The colours of each camera's tracks; none where the method of merging does not look at them."""
+    if config.method == BASELINE:
+        return []
+    return run.stage(COLOURS, plan.colour_units(drive, tracks))
 
 
 def _segment(run: _Run, drive: Drive, model: Path | None) -> plan.Clips:
@@ -229,6 +241,7 @@ def _summarise(
         donors=donors.of_identity,
         propagation=settings.propagation,
         summary=summary,
+        open_colours=partial(read_colours, results.colours),
         open_frames=partial(read_labelled_frames, results.tracks, results.labels, results.boxes_3d),
     )
 

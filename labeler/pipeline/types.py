@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from typing import Protocol, TypedDict
 
 import numpy as np
+from numpy.typing import NDArray
 
 from labeler.errors import HindsightError
 from labeler.identity.types import MergeProposal
@@ -131,7 +132,8 @@ class LabelledDrive:
 
     ``key`` names it: the same sensor data, model and settings give the same key. ``identity_of`` maps every track id to
     its identity, the smallest track id in it; ``donors`` maps an identity to its donor, of any time;
-    ``propagation`` is how labels were given. ``open_frames`` starts a pass over all frames in order; use
+    ``propagation`` is how labels were given. ``open_colours`` reads the colour histogram of every track that merging
+    looked at (:mod:`labeler.identity.colours`). ``open_frames`` starts a pass over all frames in order; use
     :meth:`frames`.
     """
 
@@ -143,6 +145,7 @@ class LabelledDrive:
     donors: Mapping[int, Donor]
     propagation: PropagationConfig
     summary: Summary
+    open_colours: Callable[[], Mapping[int, NDArray[np.float32]]]
     open_frames: Callable[[], Iterator[LabelledFrame]]
 
     def frames(self) -> Iterator[LabelledFrame]:

@@ -15,6 +15,7 @@ from pydantic import TypeAdapter
 
 from labeler.identity import Decisions, IdentityConfig, Merges, Rig, find_merges
 from labeler.pipeline.artifacts import write_json
+from labeler.pipeline.colouring import read_colours
 from labeler.pipeline.detecting import read_detections
 from labeler.pipeline.reading import read_observations, read_views
 from labeler.pipeline.stages import Stage
@@ -40,11 +41,13 @@ class TrackUnit:
 
 @dataclass(frozen=True)
 class IdentityUnit:
-    """Merges over the whole drive; ``tracks`` is each camera's artifact, ``boxes_3d`` are the clips' in order."""
+    """Merges over the whole drive; ``tracks`` is each camera's artifact, ``boxes_3d`` are the clips' in order,
+    ``colours`` the cameras' that have images."""
 
     key: str
     tracks: Mapping[str, Path]
     boxes_3d: tuple[Path, ...]
+    colours: tuple[Path, ...]
     config: IdentityConfig
     class_groups: tuple[int, ...]
     rig: Rig
@@ -79,7 +82,14 @@ def track_detections(
 def find_identities(unit: IdentityUnit, path: Path) -> None:
     """Write the merge proposals and the identity of every track."""
     frames = read_views(unit.tracks, unit.boxes_3d)
-    result = find_merges(frames, unit.config, class_groups=unit.class_groups, rig=unit.rig, decisions=unit.decisions)
+    result = find_merges(
+        frames,
+        unit.config,
+        class_groups=unit.class_groups,
+        rig=unit.rig,
+        colours=read_colours(unit.colours),
+        decisions=unit.decisions,
+    )
     write_json(path, result)
 
 

@@ -24,6 +24,7 @@ export const drives = {
     segment: "Telling road from vehicles",
     track: "Tracking in each camera",
     lidar: "Making 3D boxes",
+    colours: "Looking at colours",
     identity: "Matching across cameras",
     store: "Saving labels",
     donors: "Choosing the best looks",

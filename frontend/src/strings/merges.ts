@@ -137,6 +137,7 @@ export const queue = {
     velocity_difference_mps: { name: "Speeds", meaning: "the difference of their velocities" },
     size_difference: { name: "Sizes", meaning: "how much their boxes differ in size" },
     class_agreement: { name: "Class", meaning: "how well their classes agree" },
+    colour_likeness: { name: "Colours", meaning: "how alike their colours are" },
     shorter_track_s: { name: "Length", meaning: "how long the shorter track is" },
     weaker_score: { name: "Weaker", meaning: "the score of the track that was seen worse" },
     gap_distance_sigmas: {

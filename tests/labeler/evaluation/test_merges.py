@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -112,3 +114,11 @@ def test_no_truth_and_no_tracks_are_no_error():
 )
 def test_which_categories_are_vehicles(category: str, vehicle: bool):
     assert is_vehicle(category) is vehicle
+
+
+def test_what_hardly_shows_is_not_seen():
+    """Two pixels of car b show in the left image: a box there is of whatever hides it."""
+    views = zip(BOTH.camera, BOTH.track_uuid, strict=True)
+    hidden = replace(BOTH, visible_pixels=np.array([2 if view == ("left", "b") else 500 for view in views], np.int32))
+
+    assert score_merges(hidden, {"front": [FRONT], "left": [LEFT]}, {11: 1, 12: 2}) == MergeScore(1, 1, 0, 0, 0)

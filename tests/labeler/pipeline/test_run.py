@@ -138,7 +138,8 @@ def test_a_second_run_has_nothing_to_do(made_drive: Path, made_model: Path, tmp_
     shutil.copytree(made_drive, moved)
     recorder = _Recorder()
     second = _label(moved, made_model, tmp_path / "workspace", progress=recorder)
-    assert recorder.units == {"detect": 0, "lidar": 0, "track": 0, "identity": 0, "donors": 0, "labels": 0}
+    stages = ("detect", "lidar", "track", "colours", "identity", "donors", "labels")
+    assert recorder.units == dict.fromkeys(stages, 0)
     assert second.key == first.key
 
 
@@ -147,7 +148,15 @@ def test_a_changed_setting_does_again_only_what_follows(made_drive: Path, made_m
     recorder = _Recorder()
     settings = LabelSettings(tracking=TrackingConfig(birth_score=0.97))
     second = _label(made_drive, made_model, tmp_path, settings=settings, progress=recorder)
-    assert recorder.units == {"detect": 0, "lidar": 0, "track": 2, "identity": 1, "donors": 1, "labels": 2}
+    assert recorder.units == {
+        "detect": 0,
+        "lidar": 0,
+        "track": 2,
+        "colours": 2,
+        "identity": 1,
+        "donors": 1,
+        "labels": 2,
+    }
     assert second.key != first.key
 
 
