@@ -21,6 +21,7 @@ from app.commands.options import (
     TrackerName,
     WorkspaceFolder,
 )
+from app.commands.stored_labels import decisions_about
 from app.commands.terminal import TerminalProgress, say
 from app.db.engine import migrate, open_engine
 from app.db.session import Store
@@ -91,7 +92,7 @@ def label_into_store(
     executor: Executor,
 ) -> Summary:
     """Label the drive in a folder, take the result into the store, and say on standard error what came out."""
-    recorded = open_drive(folder, scene=scene)
+    recorded = open_drive(folder.absolute(), scene=scene)
     say(f"{recorded.name}: {len(recorded.frames)} frames, {len(recorded.cameras)} cameras ({recorded.format})")
     detector = chosen_detector(settings)
     segmentation = segmentation_file(settings, recorded.root)
@@ -107,6 +108,7 @@ def label_into_store(
             boxes=boxes_file(settings),
             workspace=settings.workspace,
             settings=label_settings(settings, input_size, tracker),
+            decisions=decisions_about(settings, recorded, scene=scene),
             executor=executor,
             progress=progress,
         )

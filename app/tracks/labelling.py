@@ -5,6 +5,7 @@ from pathlib import Path
 from app.drives.service import open_stored_drive, require_drive
 from app.jobs.worker import JobContext
 from app.model_choice import boxes_file, segmentation_file
+from app.reviews.constraints import constraints_about
 from app.tracks.importing import import_labelled_drive
 from labeler.errors import HindsightError
 from labeler.identity import IdentityConfig
@@ -13,12 +14,13 @@ from labeler.pipeline.run import label_drive
 
 
 def run_label_job(context: JobContext) -> str | None:
-    """Label the job's drive. What an earlier run made of it is used again."""
+    """Label the job's drive. What an earlier run made of it is used again, and what people decided about it holds."""
     if context.model_path is None:
         raise HindsightError("The job names no model.")
     model = Path(context.model_path)
     with context.store.read() as session:
         row = require_drive(session, context.drive_id)
+        decisions = constraints_about(session, context.drive_id)
     drive = open_stored_drive(context.settings, row)
     segmentation = segmentation_file(context.settings, drive.root)
     labelled = label_drive(
@@ -31,6 +33,7 @@ def run_label_job(context: JobContext) -> str | None:
             identity=IdentityConfig(method=context.settings.identity),
             propagation=context.settings.propagation_config,
         ),
+        decisions=decisions,
         progress=context.progress,
     )
     changed = import_labelled_drive(

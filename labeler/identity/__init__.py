@@ -1,7 +1,7 @@
 """Step 4b: which tracks are one object, and why: see :func:`find_merges`."""
 
 from labeler.identity.config import Algorithm2Config, IdentityConfig
-from labeler.identity.constraints import ClassCorrection, Decisions, TrackAnchor, TrackSplit
+from labeler.identity.constraints import Decisions, TrackAnchor
 from labeler.identity.finding import find_merges
 from labeler.identity.linking import CannotLinkError, IdentityGraph, SharedFrames, components
 from labeler.identity.rig import Rig
@@ -22,7 +22,6 @@ __all__ = [
     "Algorithm2Config",
     "CameraView",
     "CannotLinkError",
-    "ClassCorrection",
     "Decisions",
     "Feature",
     "IdentityConfig",
@@ -38,7 +37,6 @@ __all__ = [
     "SharedFrame",
     "SharedFrames",
     "TrackAnchor",
-    "TrackSplit",
     "components",
     "find_merges",
 ]

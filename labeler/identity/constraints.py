@@ -6,7 +6,7 @@ track of that camera whose boxes overlap most of these is the same object in the
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from statistics import median
 
@@ -39,31 +39,12 @@ class TrackAnchor:
 
 
 @dataclass(frozen=True)
-class TrackSplit:
-    """A track is two objects: from ``frame_index`` on it is another one."""
-
-    track: TrackAnchor
-    frame_index: int
-
-
-@dataclass(frozen=True)
-class ClassCorrection:
-    """A track is of this class, whatever the detector said."""
-
-    track: TrackAnchor
-    class_name: str
-
-
-@dataclass(frozen=True)
 class Decisions:
-    """All that holds: pairs of tracks that are one object (``same``) or are not (``different``), tracks that are two,
-    and classes. What can't be placed in a run, or contradicts that two tracks of a camera stand in one frame, has no
-    effect there."""
+    """All that holds: pairs of tracks that are one object (``same``) or are not (``different``). What can't be placed
+    in a run, or contradicts that two tracks of a camera stand in one frame, has no effect there."""
 
     same: tuple[tuple[TrackAnchor, TrackAnchor], ...] = ()
     different: tuple[tuple[TrackAnchor, TrackAnchor], ...] = ()
-    splits: tuple[TrackSplit, ...] = ()
-    classes: tuple[ClassCorrection, ...] = ()
 
 
 class AnchorFinder:
@@ -108,24 +89,19 @@ class Constraints:
 
     @staticmethod
     def of(decisions: Decisions, finder: AnchorFinder) -> Constraints:
-        """Those of which both tracks were found and differ; ``finder`` has seen all observations."""
-        return Constraints(_placed(decisions.same, finder), _placed(decisions.different, finder))
+        """Those of which both tracks were found and differ; ``finder`` has seen all observations. Of pairs that are
+        said to be both, as where a person cut a track that is whole in this run, nothing is known."""
+        same, different = _placed(decisions.same, finder), _placed(decisions.different, finder)
+        contrary = {*same} & {*different}
+        return Constraints(
+            tuple(pair for pair in same if pair not in contrary),
+            tuple(pair for pair in different if pair not in contrary),
+        )
 
 
 def merge_anchors(decisions: Decisions) -> list[TrackAnchor]:
     """The anchors of decisions about pairs of tracks."""
     return [anchor for pair in (*decisions.same, *decisions.different) for anchor in pair]
-
-
-def new_track_ids(splits: Sequence[tuple[int, int]], highest: int) -> Mapping[int, list[tuple[int, int]]]:
-    """For each split track the frames from which a new number holds, in order, and these numbers.
-
-    ``splits`` are (track, first frame of the other object); new numbers follow ``highest``."""
-    found: dict[int, list[tuple[int, int]]] = {}
-    for track, frame_index in sorted(set(splits)):
-        highest += 1
-        found.setdefault(track, []).append((frame_index, highest))
-    return found
 
 
 def _placed(pairs: Sequence[tuple[TrackAnchor, TrackAnchor]], finder: AnchorFinder) -> tuple[tuple[int, int], ...]:

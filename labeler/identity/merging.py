@@ -157,12 +157,13 @@ def _decide(gathered: Gathered, weighed: Sequence[Weighed], config: IdentityConf
     )
     holding = [one.pair for one in weighed if one.probability >= config.propose_probability]
     identity_of = connected_parts(group_of, [*constraints.same, *holding])
+    decided = {*constraints.same, *constraints.different}
     explainer = Explainer(gathered.tracks, gathered.camera_names, gathered.rig)
     proposals: list[MergeProposal] = []
     for one in weighed:
         if one.probability < config.propose_probability:
             break
-        state, blocked_by = _state(one, identity_of, forbidden)
+        state, blocked_by = _own_word(one, config) if one.pair in decided else _state(one, identity_of, forbidden)
         proposals.append(
             explainer.proposal(
                 one.candidate,
@@ -174,6 +175,11 @@ def _decide(gathered: Gathered, weighed: Sequence[Weighed], config: IdentityConf
             )
         )
     return Merges(tuple(proposals), identity_of)
+
+
+def _own_word(one: Weighed, config: IdentityConfig) -> tuple[MergeState, None]:
+    """What the machine alone says of a pair that a person decided about: the decision may be taken back."""
+    return MergeState.ACCEPTED if one.probability >= config.accept_probability else MergeState.PROPOSED, None
 
 
 def _state(

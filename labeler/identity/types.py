@@ -126,7 +126,9 @@ class MergeProposal:
 
 @dataclass(frozen=True)
 class Merges:
-    """``proposals`` by descending score, and ``identity_of`` every track: the smallest track id of its identity."""
+    """``proposals`` by descending score, and ``identity_of`` every track: the smallest track id of its identity. What a
+    person decided holds in ``identity_of``; the proposal of such a pair has the state that the machine alone gives it.
+    """
 
     proposals: tuple[MergeProposal, ...]
     identity_of: dict[int, int]

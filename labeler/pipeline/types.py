@@ -145,8 +145,8 @@ class LabelledDrive:
     donors: Mapping[int, Donor]
     propagation: PropagationConfig
     summary: Summary
-    open_colours: Callable[[], Mapping[int, NDArray[np.float32]]]
     open_frames: Callable[[], Iterator[LabelledFrame]]
+    open_colours: Callable[[], Mapping[int, NDArray[np.float32]]] = dict
 
     def frames(self) -> Iterator[LabelledFrame]:
         """Every frame with observations in order, read from the artifacts as the caller goes; may be called again."""

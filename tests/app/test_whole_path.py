@@ -73,9 +73,18 @@ def test_a_made_drive(settings: Settings, store: Store, made_drive: Path, made_m
         page.decide("reject", merge["track_a"], merge["track_b"])
 
         again = client.post(f"/api/drives/{page.drive_id}/label", json={}).json()
-        work()  # resumes from the artifacts of the first run, and finds nothing new
+        work()  # resumes from the artifacts of the first run, under what was decided since
+        assert client.get(f"/api/jobs/{again['id']}").json()["message"] is None
+        decided = page.merge(merge["track_a"], merge["track_b"])
+        assert (decided["state"], decided["decided_by"]) == ("rejected", "person")
+
+        again = client.post(f"/api/drives/{page.drive_id}/label", json={}).json()
+        work()
         assert client.get(f"/api/jobs/{again['id']}").json()["message"].startswith("Nothing has changed")
-        assert page.merge(merge["track_a"], merge["track_b"])["decided_by"] == "person"
+
+        page.decide("undo", merge["track_a"], merge["track_b"])
+        assert page.merge(merge["track_a"], merge["track_b"])["state"] == "accepted"  # the machine's own word
+        page.decide("reject", merge["track_a"], merge["track_b"])
 
         dataset = _export(page, work)
     identity_of = {label["track_id"]: label["identity_id"] for label in dataset["annotations"]}

@@ -1,7 +1,9 @@
 """Edits after the drive was labelled again: they hold for the same objects under other numbers."""
 
 from app.db.session import Store
+from app.reviews.constraints import constraints_about
 from app.tracks.importing import import_labelled_drive
+from labeler.identity import Decisions
 from tests.app.conftest import Page
 from tests.app.edits.conftest import Editor
 from tests.app.made_labels import TRACKS, make_labelled_drive
@@ -51,3 +53,14 @@ def test_an_edit_that_finds_no_track_waits_for_the_next_labelling(editor: Editor
     assert warning.startswith("1 earlier decision")
     import_labelled_drive(store, page.drive_id, make_labelled_drive(TRACKS, key="third"), model_name="made")
     assert editor.identity(4)["class_name"] == "cone"
+
+
+def test_joins_are_constraints_on_the_next_run(editor: Editor, page: Page, store: Store) -> None:
+    editor.edit("join", identity_ids=[4, 5])
+    with store.read() as session:
+        joined = constraints_about(session, page.drive_id)
+    ((one, other),) = joined.same
+    assert {one.camera, other.camera} == {"front", "right"}
+    editor.undo()
+    with store.read() as session:
+        assert constraints_about(session, page.drive_id) == Decisions()

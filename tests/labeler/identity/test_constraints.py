@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from labeler.identity.constraints import AnchorFinder, Constraints, Decisions, TrackAnchor, new_track_ids
+from labeler.identity.constraints import AnchorFinder, Constraints, Decisions, TrackAnchor
 from labeler.tracking.types import Observations
 
 BOX = (10.0, 10.0, 30.0, 30.0)
@@ -66,5 +66,12 @@ def test_an_anchor_needs_as_many_boxes_as_frames():
         TrackAnchor("front", (1, 2), (BOX,))
 
 
-def test_a_track_may_be_split_more_than_once():
-    assert new_track_ids([(5, 40), (5, 20), (5, 40), (6, 3)], highest=8) == {5: [(20, 9), (40, 10)], 6: [(3, 11)]}
+def test_of_what_is_said_both_ways_nothing_is_known():
+    """A person cut track 7 after frame 1 and said of its parts that one is 8, the other not; here it is whole."""
+    before, after, beside = anchor(1), anchor(2), TrackAnchor("front", (1,), (BESIDE,))
+    finder = AnchorFinder([before, after, beside])
+    finder.add("front", 1, seen((7, BOX), (8, BESIDE)))
+    finder.add("front", 2, seen((7, BOX)))
+    assert Constraints.of(Decisions(same=((before, beside),)), finder) == Constraints(same=((7, 8),))
+    decisions = Decisions(same=((before, beside),), different=((after, beside),))
+    assert Constraints.of(decisions, finder) == Constraints()

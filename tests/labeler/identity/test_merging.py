@@ -202,7 +202,7 @@ def test_a_person_wins_over_the_machine():
     one, other, far, aside = anchors(("front", 10, 9), ("left", 10, 9.2), ("front", 20, 0), ("left", 0, 15))
     apart = merge(TOGETHER, decisions=Decisions(different=((one, other),)))
     assert apart.identity_of == {1: 1, 2: 2, 11: 11, 12: 12}
-    assert proposal_of(apart, 1, 11).state is MergeState.REJECTED
+    assert proposal_of(apart, 1, 11).state is MergeState.ACCEPTED  # the machine's own word, should it be taken back
     joined = merge(TOGETHER, decisions=Decisions(same=((far, aside),)))
     assert joined.identity_of == {1: 1, 2: 2, 11: 1, 12: 2}
 
