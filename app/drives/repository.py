@@ -1,14 +1,25 @@
 """SQL about what was recorded."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from sqlalchemy import delete, insert, select, update
+from sqlalchemy import bindparam, delete, insert, select, update
 from sqlalchemy.orm import Session
 
+from app.db.rows import plain_rows
 from app.drives.models import CameraRow, DriveRow, FrameRow, ImageRow
 
 BATCH = 5_000
+
+_TIMES_OF_FRAMES = (
+    select(FrameRow.timestamp_ns).where(FrameRow.drive_id == bindparam("drive_id")).order_by(FrameRow.frame_index)
+)
+# Not by pairs of both: SQLite finds these by no index.
+_TIMES_OF_IMAGES = select(ImageRow.frame_index, ImageRow.camera_id, ImageRow.timestamp_ns).where(
+    ImageRow.drive_id == bindparam("drive_id"),
+    ImageRow.frame_index.in_(bindparam("frames", expanding=True)),
+    ImageRow.camera_id.in_(bindparam("camera_ids", expanding=True)),
+)
 
 
 class StoredImage(NamedTuple):
@@ -68,16 +79,15 @@ def cameras_of(session: Session, drive_ids: Sequence[int]) -> dict[int, list[Cam
 
 def frame_times_ns(session: Session, drive_id: int) -> Sequence[int]:
     """One time per frame, in order."""
-    query = select(FrameRow.timestamp_ns).where(FrameRow.drive_id == drive_id).order_by(FrameRow.frame_index)
-    return list(session.scalars(query))
+    return [time_ns for (time_ns,) in plain_rows(session, _TIMES_OF_FRAMES, {"drive_id": drive_id})]
 
 
-def image_times_ns(session: Session, drive_id: int, frame_indices: Sequence[int], camera_id: int) -> dict[int, int]:
-    """When one camera took its image, by frame."""
-    query = select(ImageRow.frame_index, ImageRow.timestamp_ns).where(
-        ImageRow.drive_id == drive_id, ImageRow.camera_id == camera_id, ImageRow.frame_index.in_(frame_indices)
-    )
-    return dict(session.execute(query).all())
+def image_times_ns(session: Session, drive_id: int, images: Collection[tuple[int, int]]) -> list[int]:
+    """When a few images were taken, which are named by frame and camera, and must be there; in their order."""
+    frames, camera_ids = zip(*images, strict=True)
+    rows = session.execute(_TIMES_OF_IMAGES, {"drive_id": drive_id, "frames": frames, "camera_ids": camera_ids})
+    found = {(frame_index, camera_id): time_ns for frame_index, camera_id, time_ns in rows}
+    return [found[image] for image in images]
 
 
 def find_image(session: Session, drive_id: int, frame_index: int, camera: str) -> StoredImage | None:

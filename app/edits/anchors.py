@@ -39,11 +39,11 @@ def _name(session: Session, labelling: LabellingRow, place: Place, *, review_id:
         made_by = repository.maker_of(session, labelling.id, place.tracked_id)
         return {"frame_index": place.frame_index, "drawn_by": review_id if made_by is None else made_by}
     camera_id = tracks.pieces_of(session, labelling.id, [place.tracked_id])[0].camera_id
-    times = drives_repository.image_times_ns(session, labelling.drive_id, [box.frame_index], camera_id)
+    [time_ns] = drives_repository.image_times_ns(session, labelling.drive_id, [(box.frame_index, camera_id)])
     anchor = TrackAnchor(
         camera=tracks_repository.camera_names(session, labelling.drive_id)[camera_id],
         frame_index=box.frame_index,
-        timestamp_ns=str(times[box.frame_index]),
+        timestamp_ns=str(time_ns),
         box=box.box,
     )
     return {"frame_index": place.frame_index, "anchor": anchor.model_dump(mode="json")}

@@ -1,6 +1,7 @@
 """Letting a labelling follow effects that came or went; only what they touch is looked at."""
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 from app.db.session import Session
 from app.edits import repository
@@ -17,14 +18,17 @@ def apply(session: Session, labelling: LabellingRow, effects: Iterable[Effect]) 
     effects = list(effects)
     named = {place.tracked_id for effect in effects for place in (effect.place, effect.other) if place is not None}
     changed = tracks.pieces_of(session, labelling.id, named)
+    before = {track.track_id for track in changed}
     gone = {track.identity_id for track in changed}
     members = {track.track_id for track in tracks_repository.tracks_of_identities(session, labelling.id, gone)}
     shaped = sorted({effect.place.tracked_id for effect in effects if effect.kind in SHAPING})
     if shaped:
         reshape_tracks(session, labelling, shaped)
-    members |= {track.track_id for track in tracks.pieces_of(session, labelling.id, named)}
+    after = {track.track_id for track in tracks.pieces_of(session, labelling.id, named)}
+    members |= after
     there = tracks_repository.tracks_with(session, labelling.id, members)
-    return relink(session, labelling.id, [track.track_id for track in there], gone_identities=gone)
+    relinked = relink(session, labelling.id, [track.track_id for track in there], gone_identities=gone)
+    return replace(relinked, changed_tracks=relinked.changed_tracks | before | after) if shaped else relinked
 
 
 def reshape_tracks(session: Session, labelling: LabellingRow, tracked_ids: Iterable[int]) -> None:

@@ -3,20 +3,24 @@
 from typing import Annotated
 
 from fastapi import APIRouter, Query, Request
-from fastapi.responses import StreamingResponse
+from fastapi.responses import Response, StreamingResponse
 
+from app.changes.answers import change_answer
+from app.changes.schemas import EditChange
 from app.db.session import ReadSession, WriteSession
 from app.dependencies import AppSettings, AppStore, Reviewer
 from app.edits import events, service, undoing
-from app.edits.schemas import Comment, EditChange, EditPage, EditRequest, UndoRequest
+from app.edits.schemas import Comment, EditPage, EditRequest, UndoRequest
 
 router = APIRouter(prefix="/api/drives/{drive_id}", tags=["edits"])
 
 
-@router.post("/edits")
-def make_edit(drive_id: int, request: EditRequest, session: WriteSession, reviewer: Reviewer) -> EditChange:
+@router.post("/edits", response_model=EditChange)
+def make_edit(drive_id: int, request: EditRequest, session: WriteSession, reviewer: Reviewer) -> Response:
     """Correct labels. 409 where the correction can't be, or where the same objects have changed since `revision`."""
-    return service.make_edit(session, drive_id, request.edit, seen_revision=request.revision, reviewer=reviewer)
+    return change_answer(
+        service.make_edit(session, drive_id, request.edit, seen_revision=request.revision, reviewer=reviewer)
+    )
 
 
 @router.get("/edits")
@@ -31,16 +35,20 @@ def list_edits(
     return service.list_edits(session, drive_id, before=before, limit=limit, reviewer=reviewer)
 
 
-@router.post("/undo")
-def undo_edit(drive_id: int, request: UndoRequest, session: WriteSession, reviewer: Reviewer) -> EditChange:
+@router.post("/undo", response_model=EditChange)
+def undo_edit(drive_id: int, request: UndoRequest, session: WriteSession, reviewer: Reviewer) -> Response:
     """Take back the reviewer's latest decision, or the named one."""
-    return undoing.undo(session, drive_id, request.edit_id, seen_revision=request.revision, reviewer=reviewer)
+    return change_answer(
+        undoing.undo(session, drive_id, request.edit_id, seen_revision=request.revision, reviewer=reviewer)
+    )
 
 
-@router.post("/redo")
-def redo_edit(drive_id: int, request: UndoRequest, session: WriteSession, reviewer: Reviewer) -> EditChange:
+@router.post("/redo", response_model=EditChange)
+def redo_edit(drive_id: int, request: UndoRequest, session: WriteSession, reviewer: Reviewer) -> Response:
     """Make the decision again that the reviewer undid last, or the named one."""
-    return undoing.redo(session, drive_id, request.edit_id, seen_revision=request.revision, reviewer=reviewer)
+    return change_answer(
+        undoing.redo(session, drive_id, request.edit_id, seen_revision=request.revision, reviewer=reviewer)
+    )
 
 
 @router.get("/comments")

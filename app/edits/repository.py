@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
-from sqlalchemy import func, select, update
+from sqlalchemy import bindparam, func, select, update
 from sqlalchemy.orm import Session
 
 from app.edits.models import EffectRow
@@ -12,6 +12,17 @@ from app.edits.types import PAIRING, SAYING, SHAPING, Effect, EffectKind, Place
 from app.tracks.models import TrackRow
 
 IDS_PER_QUERY = 1_000
+
+# Every decision asks these: they are made once, since that takes longer than answering them.
+_HOLDING = (EffectRow.labelling_id == bindparam("labelling_id"), EffectRow.active)
+_CUTS = select(EffectRow.tracked_id, EffectRow.frame_index, EffectRow.made_track_id).where(
+    *_HOLDING, EffectRow.kind == EffectKind.CUT
+)
+_PAIRING = select(EffectRow).where(*_HOLDING, EffectRow.kind.in_(PAIRING))
+_NO_DONORS = select(EffectRow).where(*_HOLDING, EffectRow.kind == EffectKind.NO_DONOR)
+_SAYINGS = select(EffectRow).where(
+    *_HOLDING, EffectRow.tracked_id.in_(bindparam("tracked_ids", expanding=True)), EffectRow.kind.in_(SAYING)
+)
 
 
 class Word(NamedTuple):
@@ -72,10 +83,7 @@ def to_effect(row: EffectRow) -> Effect:
 
 def pieces(session: Session, labelling_id: int) -> Pieces:
     """How people have split the tracks of a labelling."""
-    query = select(EffectRow.tracked_id, EffectRow.frame_index, EffectRow.made_track_id).where(
-        EffectRow.labelling_id == labelling_id, EffectRow.kind == EffectKind.CUT, EffectRow.active
-    )
-    return Pieces(Cut(*row) for row in session.execute(query))
+    return Pieces(Cut(*row) for row in session.execute(_CUTS, {"labelling_id": labelling_id}))
 
 
 def made_track_id(session: Session, labelling_id: int, place: Place) -> int | None:
@@ -116,11 +124,8 @@ def shaping(session: Session, labelling_id: int, tracked_id: int) -> list[Effect
 
 def pairing(session: Session, labelling_id: int) -> list[Word]:
     """What edits say of two places each."""
-    query = select(EffectRow).where(
-        EffectRow.labelling_id == labelling_id, EffectRow.active, EffectRow.kind.in_(PAIRING)
-    )
     words: list[Word] = []
-    for row in session.scalars(query):
+    for row in session.scalars(_PAIRING, {"labelling_id": labelling_id}):
         effect = to_effect(row)
         assert effect.other is not None
         words.append(Word(effect.kind, effect.place, effect.other, row.id, row.review_id))
@@ -132,22 +137,14 @@ def sayings(session: Session, labelling_id: int, tracked_ids: Iterable[int]) -> 
     ids = sorted(set(tracked_ids))
     rows: list[EffectRow] = []
     for start in range(0, len(ids), IDS_PER_QUERY):
-        query = select(EffectRow).where(
-            EffectRow.labelling_id == labelling_id,
-            EffectRow.tracked_id.in_(ids[start : start + IDS_PER_QUERY]),
-            EffectRow.active,
-            EffectRow.kind.in_(SAYING),
-        )
-        rows += session.scalars(query)
+        some = ids[start : start + IDS_PER_QUERY]
+        rows += session.scalars(_SAYINGS, {"labelling_id": labelling_id, "tracked_ids": some})
     return [to_effect(row) for row in sorted(rows, key=lambda row: (row.review_id, row.id))]
 
 
 def no_donors(session: Session, labelling_id: int) -> list[Effect]:
     """What people say of boxes that may not give their label to others."""
-    query = select(EffectRow).where(
-        EffectRow.labelling_id == labelling_id, EffectRow.kind == EffectKind.NO_DONOR, EffectRow.active
-    )
-    return [to_effect(row) for row in session.scalars(query)]
+    return [to_effect(row) for row in session.scalars(_NO_DONORS, {"labelling_id": labelling_id})]
 
 
 def reviews_about(session: Session, labelling_id: int, tracked_id: int, *, without: int) -> Sequence[int]:

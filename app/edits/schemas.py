@@ -205,15 +205,6 @@ class EditPage(BaseModel):
     redo: Edit | None = Field(description="What redoing would make again.")
 
 
-class EditChange(BaseModel):
-    """What a correction changed; ``identity_ids`` are the identities that its tracks are in afterwards."""
-
-    edit: Edit
-    changed_label_count: int
-    identity_ids: list[int]
-    revision: int
-
-
 class Comment(BaseModel):
     edit_id: int
     identity_id: int

@@ -5,7 +5,9 @@ labelling; and what follows from them for tracks, identities and labels. All in 
 """
 
 from collections.abc import Collection
+from typing import Any
 
+from app.changes.service import change_values
 from app.db.session import Session
 from app.drives import repository as drives_repository
 from app.drives.models import DriveRow
@@ -22,7 +24,6 @@ from app.edits.schemas import (
     DonorEdit,
     DriveRevision,
     Edit,
-    EditChange,
     EditPage,
     InterpolateEdit,
     SplitEdit,
@@ -40,7 +41,7 @@ PAGE = 100
 
 def make_edit(
     session: Session, drive_id: int, edit: AnyEdit, *, seen_revision: int | None, reviewer: str
-) -> EditChange:
+) -> dict[str, Any]:
     """Correct the labels of a drive.
 
     NotFound, InvalidRequest, CannotLink, ClassesDiffer; Stale where the same objects were changed since
@@ -52,7 +53,7 @@ def make_edit(
     review = _record(session, drive, labelling, edit.kind, decided, reviewer)
     relinked = apply(session, labelling, decided.effects)
     require_held(relinked)
-    return to_change(session, drive, review, relinked)
+    return to_change(session, drive, labelling, review, relinked)
 
 
 def _named(edit: AnyEdit) -> set[int]:
@@ -141,15 +142,13 @@ def _record(
     return review
 
 
-def to_change(session: Session, drive: DriveRow, review: ReviewRow, relinked: Relinked) -> EditChange:
-    """What the page learns of a change."""
+def to_change(
+    session: Session, drive: DriveRow, labelling: LabellingRow, review: ReviewRow, relinked: Relinked
+) -> dict[str, Any]:
+    """The values of an :class:`app.changes.schemas.EditChange`."""
     session.refresh(drive)
-    return EditChange(
-        edit=to_edit(review),
-        changed_label_count=relinked.changed_label_count,
-        identity_ids=list(relinked.identity_ids),
-        revision=drive.revision,
-    )
+    values = change_values(session, labelling, relinked, revision=drive.revision)
+    return values | {"edit": to_edit(review)}
 
 
 def list_edits(session: Session, drive_id: int, *, before: int | None, limit: int, reviewer: str) -> EditPage:

@@ -5,6 +5,8 @@ it, undoing is refused. Undo goes back through the reviewer's own decisions, red
 undid since the latest new one; any decision can be undone by its number.
 """
 
+from typing import Any
+
 from app.db.session import Session
 from app.drives import repository as drives_repository
 from app.drives.models import DriveRow
@@ -12,7 +14,7 @@ from app.edits import repository
 from app.edits.anchors import EffectFinder
 from app.edits.applying import apply
 from app.edits.log import to_edit
-from app.edits.schemas import EditAction, EditChange
+from app.edits.schemas import EditAction
 from app.edits.service import require_fresh, require_held, require_labelled, to_change
 from app.edits.types import EffectKind
 from app.errors import CannotLink, Conflict, NotFound
@@ -29,7 +31,7 @@ _NOTHING = Relinked((), 0, ())
 
 def undo(
     session: Session, drive_id: int, edit_id: int | None, *, seen_revision: int | None, reviewer: str
-) -> EditChange:
+) -> dict[str, Any]:
     """Take back the reviewer's latest decision, or the named one. NotFound, Conflict, CannotLink, Stale."""
     drive, labelling = require_labelled(session, drive_id)
     if edit_id is None:
@@ -45,7 +47,7 @@ def undo(
 
 def redo(
     session: Session, drive_id: int, edit_id: int | None, *, seen_revision: int | None, reviewer: str
-) -> EditChange:
+) -> dict[str, Any]:
     """Make the decision again that the reviewer undid last, or the named one. NotFound, Conflict, CannotLink, Stale."""
     drive, labelling = require_labelled(session, drive_id)
     if edit_id is None:
@@ -77,7 +79,7 @@ def _turn(
     undone: bool,
     seen_revision: int | None,
     reviewer: str,
-) -> EditChange:
+) -> dict[str, Any]:
     """Let a decision have no effect, or have it again, and add that to the log."""
     about = to_edit(target)
     require_fresh(session, drive, labelling, set(about.identity_ids), seen_revision)
@@ -101,7 +103,7 @@ def _turn(
     else:
         relinked = _turn_effects(session, labelling, target, undone=undone)
     require_held(relinked)
-    return to_change(session, drive, target, relinked)
+    return to_change(session, drive, labelling, target, relinked)
 
 
 def _turn_merge(session: Session, labelling: LabellingRow, target: ReviewRow) -> Relinked:

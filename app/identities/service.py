@@ -27,11 +27,12 @@ def identities_json(session: Session, drive_id: int) -> bytes:
     return to_json(_values(session, labelling, repository.list_stored(session, labelling.id), tracks))
 
 
-def identity_values(session: Session, labelling: LabellingRow, identity_ids: Iterable[int]) -> list[dict[str, Any]]:
-    """The values of :class:`app.identities.schemas.Identity` of a few identities, in order of id."""
-    ids = set(identity_ids)
-    tracks = tracks_repository.tracks_of_identities(session, labelling.id, ids)
-    return _values(session, labelling, repository.list_stored(session, labelling.id, ids), tracks)
+def values_of_identities(
+    session: Session, labelling: LabellingRow, identity_ids: Iterable[int], tracks: Iterable[TrackRow]
+) -> list[dict[str, Any]]:
+    """The values of :class:`app.identities.schemas.Identity` of a few identities, in order of id; ``tracks`` are all
+    of theirs."""
+    return _values(session, labelling, repository.list_stored(session, labelling.id, set(identity_ids)), tracks)
 
 
 def _values(

@@ -5,10 +5,12 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import Response
 
+from app.changes.answers import change_answer
+from app.changes.schemas import MergeChange
 from app.db.session import ReadSession, WriteSession
 from app.dependencies import Reviewer
 from app.merges import looks, service
-from app.merges.schemas import Merge, MergeChange, MergeDecision, MergeLooks, MergeState
+from app.merges.schemas import Merge, MergeDecision, MergeLooks, MergeState
 from app.tracks.answers import answer_for_labels
 
 router = APIRouter(prefix="/api", tags=["merges"])
@@ -32,33 +34,33 @@ def get_merge_looks(merge_id: int, session: ReadSession) -> MergeLooks:
     return looks.looks_of_merge(session, merge_id)
 
 
-@router.post("/merges/{merge_id}/accept")
+@router.post("/merges/{merge_id}/accept", response_model=MergeChange)
 def accept_merge(
     merge_id: int, session: WriteSession, reviewer: Reviewer, asked: MergeDecision = NOTHING_READ
-) -> MergeChange:
+) -> Response:
     """Say that the two tracks are one object; 409 where that can't be, or where they have changed since `revision`."""
-    return service.accept_merge(session, merge_id, seen_revision=asked.revision, reviewer=reviewer)
+    return change_answer(service.accept_merge(session, merge_id, seen_revision=asked.revision, reviewer=reviewer))
 
 
-@router.post("/merges/{merge_id}/reject")
+@router.post("/merges/{merge_id}/reject", response_model=MergeChange)
 def reject_merge(
     merge_id: int, session: WriteSession, reviewer: Reviewer, asked: MergeDecision = NOTHING_READ
-) -> MergeChange:
+) -> Response:
     """Say that the two tracks are two objects."""
-    return service.reject_merge(session, merge_id, seen_revision=asked.revision, reviewer=reviewer)
+    return change_answer(service.reject_merge(session, merge_id, seen_revision=asked.revision, reviewer=reviewer))
 
 
-@router.post("/merges/{merge_id}/unsure")
+@router.post("/merges/{merge_id}/unsure", response_model=MergeChange)
 def leave_merge_open(
     merge_id: int, session: WriteSession, reviewer: Reviewer, asked: MergeDecision = NOTHING_READ
-) -> MergeChange:
+) -> Response:
     """Say that it can't be told: the tracks stay apart, and the merge leaves the queue until it is undone."""
-    return service.leave_merge_open(session, merge_id, seen_revision=asked.revision, reviewer=reviewer)
+    return change_answer(service.leave_merge_open(session, merge_id, seen_revision=asked.revision, reviewer=reviewer))
 
 
-@router.post("/merges/{merge_id}/undo")
+@router.post("/merges/{merge_id}/undo", response_model=MergeChange)
 def undo_merge(
     merge_id: int, session: WriteSession, reviewer: Reviewer, asked: MergeDecision = NOTHING_READ
-) -> MergeChange:
+) -> Response:
     """Take back what a person said; what the machine said holds again."""
-    return service.undo_merge(session, merge_id, seen_revision=asked.revision, reviewer=reviewer)
+    return change_answer(service.undo_merge(session, merge_id, seen_revision=asked.revision, reviewer=reviewer))

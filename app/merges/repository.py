@@ -3,12 +3,45 @@
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from sqlalchemy import func, insert, select, tuple_, update
+from sqlalchemy import bindparam, func, insert, select, tuple_, update
 from sqlalchemy.orm import Session
 
+from app.db.rows import plain_rows
 from app.merges.models import MergeRow
 from app.reviews.models import ReviewRow
-from app.tracks.repository import IDS_PER_QUERY, plain_rows
+from app.tracks.repository import IDS_PER_QUERY
+
+# Every decision asks these: they are made once, since that takes longer than answering them. Where a merge has one of
+# some tracks on either side, each side is asked for by its own index.
+_OF_TRACKS = (
+    MergeRow.labelling_id == bindparam("labelling_id"),
+    MergeRow.track_a.is_not(None),
+    MergeRow.track_b.is_not(None),
+)
+_SIDES = tuple(side.in_(bindparam("track_ids", expanding=True)) for side in (MergeRow.track_a, MergeRow.track_b))
+_MERGES = tuple(select(MergeRow).where(*_OF_TRACKS, side) for side in _SIDES)
+_ACCEPTED_BY_PERSON = (MergeRow.decided_by == "person") & (MergeRow.state == "accepted")
+_ACCEPTED_BY_MACHINE = (MergeRow.decided_by == "machine") & (MergeRow.machine_state == "accepted")
+_LINKS = tuple(
+    select(MergeRow.id, MergeRow.track_a, MergeRow.track_b, MergeRow.score, MergeRow.state, MergeRow.decided_by).where(
+        *_OF_TRACKS, _ACCEPTED_BY_PERSON | _ACCEPTED_BY_MACHINE, side
+    )
+    for side in _SIDES
+)
+_REVIEW_ID = func.max(ReviewRow.id)
+_REJECTIONS = (
+    select(MergeRow.tracked_a, MergeRow.frame_a, MergeRow.tracked_b, MergeRow.frame_b, _REVIEW_ID)
+    .join(ReviewRow, ReviewRow.merge_id == MergeRow.id)
+    .where(
+        MergeRow.labelling_id == bindparam("labelling_id"),
+        MergeRow.decided_by == "person",
+        MergeRow.state == "rejected",
+        ReviewRow.action == "reject",
+        ~ReviewRow.undone,
+    )
+    .group_by(MergeRow.id)
+    .order_by(_REVIEW_ID)
+)
 
 
 class Link(NamedTuple):
@@ -100,61 +133,33 @@ def _by_score(query: Any, labelling_id: int, state: str | None) -> Any:
 
 
 def merges_of_tracks(session: Session, labelling_id: int, track_ids: Iterable[int]) -> Sequence[MergeRow]:
-    """Merges that any of these tracks is in, by descending score."""
+    """Merges that any of these tracks is in, by descending score, as the store has them now."""
     ids = sorted(track_ids)
     found: dict[int, MergeRow] = {}
     for start in range(0, len(ids), IDS_PER_QUERY):
-        for side in (MergeRow.track_a, MergeRow.track_b):  # each by its own index
-            query = select(MergeRow).where(
-                MergeRow.labelling_id == labelling_id,
-                MergeRow.track_a.is_not(None),
-                MergeRow.track_b.is_not(None),
-                side.in_(ids[start : start + IDS_PER_QUERY]),
-            )
-            found |= {row.id: row for row in session.scalars(query)}
+        asked = {"labelling_id": labelling_id, "track_ids": ids[start : start + IDS_PER_QUERY]}
+        for query in _MERGES:
+            rows = session.scalars(query, asked, execution_options={"populate_existing": True})
+            found |= {row.id: row for row in rows}
     return sorted(found.values(), key=lambda row: (-row.score, row.id))
 
 
 def links_of_tracks(session: Session, labelling_id: int, track_ids: Iterable[int]) -> list[Link]:
     """Merges that a person accepted, and those that the machine accepted and no person decided, that any of these
     tracks is in."""
-    accepted_by_person = (MergeRow.decided_by == "person") & (MergeRow.state == "accepted")
-    accepted_by_machine = (MergeRow.decided_by == "machine") & (MergeRow.machine_state == "accepted")
-    query = select(
-        MergeRow.id, MergeRow.track_a, MergeRow.track_b, MergeRow.score, MergeRow.state, MergeRow.decided_by
-    ).where(
-        MergeRow.labelling_id == labelling_id,
-        MergeRow.track_a.is_not(None),
-        MergeRow.track_b.is_not(None),
-        accepted_by_person | accepted_by_machine,
-    )
     ids = sorted(track_ids)
     found: dict[int, Link] = {}
     for start in range(0, len(ids), IDS_PER_QUERY):
-        some = ids[start : start + IDS_PER_QUERY]
-        for side in (MergeRow.track_a, MergeRow.track_b):  # each by its own index
-            for row in plain_rows(session, query.where(side.in_(some))):
+        asked = {"labelling_id": labelling_id, "track_ids": ids[start : start + IDS_PER_QUERY]}
+        for query in _LINKS:
+            for row in plain_rows(session, query, asked):
                 found[row[0]] = Link._make(row)
     return list(found.values())
 
 
 def rejections(session: Session, labelling_id: int) -> list[Rejection]:
     """The merges that people rejected."""
-    review_id = func.max(ReviewRow.id)
-    query = (
-        select(MergeRow.tracked_a, MergeRow.frame_a, MergeRow.tracked_b, MergeRow.frame_b, review_id)
-        .join(ReviewRow, ReviewRow.merge_id == MergeRow.id)
-        .where(
-            MergeRow.labelling_id == labelling_id,
-            MergeRow.decided_by == "person",
-            MergeRow.state == "rejected",
-            ReviewRow.action == "reject",
-            ~ReviewRow.undone,
-        )
-        .group_by(MergeRow.id)
-        .order_by(review_id)
-    )
-    return [Rejection._make(row) for row in session.execute(query)]
+    return [Rejection._make(row) for row in session.execute(_REJECTIONS, {"labelling_id": labelling_id})]
 
 
 def accepted_pairs(

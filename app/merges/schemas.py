@@ -5,9 +5,7 @@ from enum import StrEnum
 from pydantic import BaseModel, Field
 
 from app.edits.schemas import Revision
-from app.identities.schemas import Identity
 from app.motion.paths import PathFrame
-from app.tracks.schemas import FrameObservations
 
 
 class MergeState(StrEnum):
@@ -111,25 +109,6 @@ class MergeDecision(BaseModel):
     """What comes with a decision about a merge."""
 
     revision: Revision = None
-
-
-class MergeChange(BaseModel):
-    """What a decision changed; ``identity_ids`` are the identities that its tracks are in afterwards.
-
-    A page that had read everything as it was at ``revision`` - 1 has it as it is now with what is in here."""
-
-    merge: Merge
-    merges: list[Merge] = Field(
-        description="The merges of all tracks of these identities, as they are now, this one among them."
-    )
-    changed_label_count: int
-    identity_ids: list[int]
-    identities: list[Identity] = Field(description="All that the decision reached, as they are now.")
-    gone_identity_ids: list[int] = Field(description="Identities whose tracks are in others now.")
-    observations: list[FrameObservations] = Field(
-        description="By frame, those of the tracks that came into another identity or have a label that changed."
-    )
-    revision: int
 
 
 class Look(BaseModel):

@@ -4,6 +4,7 @@ from typing import Any
 
 from pydantic_core import to_json
 
+from app.changes.service import change_values
 from app.db.session import Session
 from app.drives import repository as drives_repository
 from app.drives.models import DriveRow
@@ -15,18 +16,15 @@ from app.errors import CannotLink, Conflict, NotFound
 from app.identities.classes import require_one_class
 from app.identities.conflicts import require_one_object
 from app.identities.linking import Relinked, relink
-from app.identities.service import identity_values
 from app.merges import repository
 from app.merges.impact import Impact
 from app.merges.models import MergeRow
-from app.merges.priority import priority
-from app.merges.repository import StoredMerge
-from app.merges.schemas import DecidedBy, MergeChange, MergeState
+from app.merges.schemas import DecidedBy, MergeState
+from app.merges.values import merge_values
 from app.reviews import service as reviews_service
 from app.reviews.schemas import ReviewAction
 from app.tracks import repository as tracks_repository
 from app.tracks.models import LabellingRow
-from app.tracks.service import observations_of_tracks
 
 
 def merges_json(session: Session, drive_id: int, state: MergeState | None) -> bytes:
@@ -44,10 +42,12 @@ def merges_json(session: Session, drive_id: int, state: MergeState | None) -> by
     impact = Impact(tracks, [*_joined(session, labelling.id), *repository.accepted_pairs(session, labelling.id)])
     cameras = tracks_repository.camera_names(session, drive_id)
     camera_of = {track.track_id: cameras[track.camera_id] for track in tracks}
-    return to_json([_values(row, impact, camera_of) for row in repository.read_by_score(session, labelling.id, state)])
+    return to_json(
+        [merge_values(row, impact, camera_of) for row in repository.read_by_score(session, labelling.id, state)]
+    )
 
 
-def accept_merge(session: Session, merge_id: int, *, reviewer: str, seen_revision: int | None = None) -> MergeChange:
+def accept_merge(session: Session, merge_id: int, *, reviewer: str, seen_revision: int | None = None) -> dict[str, Any]:
     """A person says that the two tracks are one object.
 
     CannotLink where that would put two tracks of one camera that share a frame into one identity; Stale, here as in all
@@ -56,7 +56,7 @@ def accept_merge(session: Session, merge_id: int, *, reviewer: str, seen_revisio
     return _decide(session, merge, ReviewAction.ACCEPT, MergeState.ACCEPTED, reviewer, seen_revision)
 
 
-def reject_merge(session: Session, merge_id: int, *, reviewer: str, seen_revision: int | None = None) -> MergeChange:
+def reject_merge(session: Session, merge_id: int, *, reviewer: str, seen_revision: int | None = None) -> dict[str, Any]:
     """A person says that the two tracks are two objects. Where other merges tie them, the machine's weakest ones give
     way; CannotLink where people's own do."""
     merge = require_current(session, merge_id)
@@ -65,13 +65,13 @@ def reject_merge(session: Session, merge_id: int, *, reviewer: str, seen_revisio
 
 def leave_merge_open(
     session: Session, merge_id: int, *, reviewer: str, seen_revision: int | None = None
-) -> MergeChange:
+) -> dict[str, Any]:
     """A person can't tell whether the two tracks are one object; they stay apart."""
     merge = require_current(session, merge_id)
     return _decide(session, merge, ReviewAction.UNSURE, MergeState.UNSURE, reviewer, seen_revision)
 
 
-def undo_merge(session: Session, merge_id: int, *, reviewer: str, seen_revision: int | None = None) -> MergeChange:
+def undo_merge(session: Session, merge_id: int, *, reviewer: str, seen_revision: int | None = None) -> dict[str, Any]:
     """What a person said is taken back, and what the machine said holds again, as far as it fits."""
     merge = require_current(session, merge_id)
     if merge.decided_by != DecidedBy.PERSON:
@@ -94,11 +94,12 @@ def _decide(
     state: MergeState,
     reviewer: str,
     seen_revision: int | None,
-) -> MergeChange:
+) -> dict[str, Any]:
     labelling = tracks_repository.find_labelling(session, merge.labelling_id)
     drive = tracks_repository.drive_of_labelling(session, labelling.id)
     if merge.state == state and merge.decided_by == DecidedBy.PERSON:  # said before: nothing to add
-        return _change(session, drive, labelling, merge, Relinked((), 0, (), joined=_joined(session, labelling.id)))
+        nothing = Relinked((), 0, (), joined=_joined(session, labelling.id))
+        return _change(session, labelling, merge, nothing, revision=drive.revision)
     _require_fresh(session, drive, labelling, merge, seen_revision)
     if action is ReviewAction.ACCEPT and merge.state != MergeState.ACCEPTED:
         _require_linkable(session, merge)
@@ -107,7 +108,7 @@ def _decide(
     return _apply(session, drive, labelling, merge)
 
 
-def _apply(session: Session, drive: DriveRow, labelling: LabellingRow, merge: MergeRow) -> MergeChange:
+def _apply(session: Session, drive: DriveRow, labelling: LabellingRow, merge: MergeRow) -> dict[str, Any]:
     """Let identities and labels follow a changed merge."""
     relinked = relink(session, labelling.id, tracks_of_merge(merge))
     if relinked.refused and merge.state == MergeState.REJECTED:
@@ -117,39 +118,17 @@ def _apply(session: Session, drive: DriveRow, labelling: LabellingRow, merge: Me
             f"and {first.track_b} are one. Undo that decision first."
         )
     require_held(relinked)
-    drives_repository.raise_revision(session, drive.id)
-    session.refresh(merge)
-    session.refresh(drive)
-    return _change(session, drive, labelling, merge, relinked)
+    revision = drives_repository.raise_revision(session, drive.id)
+    return _change(session, labelling, merge, relinked, revision=revision)
 
 
 def _change(
-    session: Session, drive: DriveRow, labelling: LabellingRow, merge: MergeRow, relinked: Relinked
-) -> MergeChange:
-    labelling_id = labelling.id
-    pair = tracks_repository.tracks_with(session, labelling_id, tracks_of_merge(merge))
-    identity_ids = {track.identity_id for track in pair}
-    reached = tracks_repository.tracks_of_identities(session, labelling_id, identity_ids.union(relinked.identity_ids))
-    rows = repository.merges_of_tracks(session, labelling_id, [track.track_id for track in reached])
-    tracks = tracks_repository.tracks_of_same_identities(
-        session, labelling_id, {track for row in rows for track in tracks_of_merge(row)}
-    )
-    cameras = tracks_repository.camera_names(session, drive.id)
-    accepted = repository.accepted_pairs(session, labelling_id, {track.track_id for track in tracks})
-    impact = Impact(tracks, [*relinked.joined, *accepted])
-    camera_of = {track.track_id: cameras[track.camera_id] for track in tracks}
-    return MergeChange.model_validate(
-        {
-            "merge": _values(merge, impact, camera_of),
-            "merges": [_values(row, impact, camera_of) for row in rows],
-            "changed_label_count": relinked.changed_label_count,
-            "identity_ids": sorted(identity_ids),
-            "identities": identity_values(session, labelling, relinked.identity_ids),
-            "gone_identity_ids": relinked.gone_identity_ids,
-            "observations": observations_of_tracks(session, labelling, relinked.changed_tracks),
-            "revision": drive.revision,
-        }
-    )
+    session: Session, labelling: LabellingRow, merge: MergeRow, relinked: Relinked, *, revision: int
+) -> dict[str, Any]:
+    pair = tracks_of_merge(merge)
+    values = change_values(session, labelling, relinked, revision=revision, beside=pair)
+    [own] = [one for one in values["merges"] if one["id"] == merge.id]
+    return values | {"merge": own, "identity_ids": sorted({own["identity_a"], own["identity_b"]})}
 
 
 def require_current(session: Session, merge_id: int) -> MergeRow:
@@ -198,32 +177,3 @@ def _joined(session: Session, labelling_id: int) -> tuple[tuple[int, int], ...]:
     """The pairs of tracks that people joined."""
     said = pairs(session, labelling_id, edits_repository.pieces(session, labelling_id))
     return tuple((pair.track_a, pair.track_b) for pair in said if pair.kind is EffectKind.SAME)
-
-
-def _values(row: MergeRow | StoredMerge, impact: Impact, camera_of: dict[int, str]) -> dict[str, Any]:
-    """The values of a :class:`app.merges.schemas.Merge`."""
-    label_count = impact.label_count(row)
-    track_a, track_b = row.tracks
-    evidence = {name: value for name, value in row.evidence.items() if name != "plot"}
-    return {
-        "id": row.id,
-        "track_a": track_a,
-        "track_b": track_b,
-        "camera_a": camera_of[track_a],
-        "camera_b": camera_of[track_b],
-        "score": row.score,
-        "probability": row.score if evidence.get("calibrated") else None,
-        "state": row.state,
-        "decided_by": row.decided_by,
-        "shared_frames": row.shared_frames,
-        "agreeing_frames": row.agreeing_frames,
-        "mean_distance_m": row.mean_distance_m,
-        "mean_bev_iou": row.mean_bev_iou,
-        "reason": row.reason,
-        "best_frames": row.best_frames,
-        "evidence": evidence or None,
-        "label_count": label_count,
-        "priority": priority(label_count, row.score),
-        "identity_a": impact.identity_of(track_a),
-        "identity_b": impact.identity_of(track_b),
-    }

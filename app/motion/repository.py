@@ -6,10 +6,11 @@ from typing import NamedTuple
 from sqlalchemy import and_, func, select
 from sqlalchemy.orm import Session
 
+from app.db.rows import plain_rows
 from app.drives.models import FrameRow
 from app.identities.models import IdentityRow
 from app.tracks.models import Box3DRow, ObservationRow, TrackRow
-from app.tracks.repository import IDS_PER_QUERY, plain_rows, same_track
+from app.tracks.repository import IDS_PER_QUERY, same_track
 
 
 class BoxOfTrack(NamedTuple):

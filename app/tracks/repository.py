@@ -1,12 +1,13 @@
 """SQL about what the labeler found: labellings, tracks and their boxes. Labels are next door."""
 
-from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, NamedTuple, cast
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from typing import Any, NamedTuple
 
-from sqlalchemy import Executable, and_, delete, func, insert, select, update
-from sqlalchemy.orm import Session
+from sqlalchemy import and_, bindparam, delete, func, insert, select, update
+from sqlalchemy.orm import Session, aliased
 
 from app.db.base import Base
+from app.db.rows import plain_rows
 from app.drives.models import CameraRow, DriveRow
 from app.identities.models import IdentityRow
 from app.merges.models import MergeRow
@@ -14,6 +15,45 @@ from app.tracks.models import LabellingRow, ObservationRow, TrackRow
 
 BATCH = 5_000
 IDS_PER_QUERY = 1_000
+
+# A decision asks a few dozen questions of a few rows each: making a statement takes longer than answering it, so those
+# are made once.
+_WITH_IDS = (
+    select(TrackRow)
+    .where(
+        TrackRow.labelling_id == bindparam("labelling_id"),
+        TrackRow.track_id.in_(bindparam("track_ids", expanding=True)),
+    )
+    .order_by(TrackRow.track_id)
+)
+_OF_IDENTITIES = (
+    select(TrackRow)
+    .where(
+        TrackRow.labelling_id == bindparam("labelling_id"),
+        TrackRow.identity_id.in_(bindparam("identity_ids", expanding=True)),
+    )
+    .order_by(TrackRow.track_id)
+)
+_BESIDE = aliased(TrackRow)
+_OF_SAME = (
+    select(TrackRow)
+    .where(
+        TrackRow.labelling_id == bindparam("labelling_id"),
+        TrackRow.identity_id.in_(
+            select(_BESIDE.identity_id).where(
+                _BESIDE.labelling_id == bindparam("labelling_id"),
+                _BESIDE.track_id.in_(bindparam("track_ids", expanding=True)),
+            )
+        ),
+    )
+    .order_by(TrackRow.track_id)
+)
+# Not by pairs of both: SQLite finds these by no index.
+_AT_PLACES = select(ObservationRow).where(
+    ObservationRow.labelling_id == bindparam("labelling_id"),
+    ObservationRow.track_id.in_(bindparam("track_ids", expanding=True)),
+    ObservationRow.frame_index.in_(bindparam("frames", expanding=True)),
+)
 
 
 class LabellingCounts(NamedTuple):
@@ -179,33 +219,26 @@ def track_facts(session: Session, labelling_id: int) -> list[TrackFacts]:
     return [TrackFacts._make(row) for row in plain_rows(session, query)]
 
 
-def plain_rows(session: Session, query: Executable) -> list[Any]:
-    """The rows as the driver gives them, for columns of plain numbers and words: SQLAlchemy's own rows take most of the
-    time where there are many."""
-    return cast("Any", session.connection().execute(query).cursor).fetchall()
-
-
 def tracks_of_identities(session: Session, labelling_id: int, identity_ids: Iterable[int]) -> Sequence[TrackRow]:
     """The tracks of a few identities, in order of id."""
-    query = select(TrackRow).where(TrackRow.labelling_id == labelling_id, TrackRow.identity_id.in_(set(identity_ids)))
-    return session.scalars(query.order_by(TrackRow.track_id)).all()
+    asked = {"labelling_id": labelling_id, "identity_ids": list(set(identity_ids))}
+    return session.scalars(_OF_IDENTITIES, asked).all()
 
 
 def tracks_of_same_identities(session: Session, labelling_id: int, track_ids: Iterable[int]) -> Sequence[TrackRow]:
     """All tracks of the identities that a few tracks are in, in order of id."""
-    return tracks_of_identities(
-        session, labelling_id, {track.identity_id for track in tracks_with(session, labelling_id, track_ids)}
-    )
+    return session.scalars(_OF_SAME, {"labelling_id": labelling_id, "track_ids": sorted(track_ids)}).all()
 
 
 def tracks_with(session: Session, labelling_id: int, track_ids: Iterable[int]) -> list[TrackRow]:
     """The tracks of these ids, in order of id."""
     ids = sorted(track_ids)
-    query = select(TrackRow).where(TrackRow.labelling_id == labelling_id).order_by(TrackRow.track_id)
     return [
         track
         for start in range(0, len(ids), IDS_PER_QUERY)
-        for track in session.scalars(query.where(TrackRow.track_id.in_(ids[start : start + IDS_PER_QUERY])))
+        for track in session.scalars(
+            _WITH_IDS, {"labelling_id": labelling_id, "track_ids": ids[start : start + IDS_PER_QUERY]}
+        )
     ]
 
 
@@ -217,14 +250,12 @@ def frames_of_track(session: Session, labelling_id: int, track_id: int) -> set[i
     return set(session.scalars(query))
 
 
-def observation_at(session: Session, labelling_id: int, track_id: int, frame_index: int) -> ObservationRow:
-    """The observation of a track in a frame, which must have one."""
-    query = select(ObservationRow).where(
-        ObservationRow.labelling_id == labelling_id,
-        ObservationRow.track_id == track_id,
-        ObservationRow.frame_index == frame_index,
-    )
-    return session.scalars(query).one()
+def observations_at(session: Session, labelling_id: int, places: Collection[tuple[int, int]]) -> list[ObservationRow]:
+    """The observations at a few places (track and frame), which must have one each, in their order."""
+    track_ids, frames = zip(*places, strict=True)
+    asked = {"labelling_id": labelling_id, "track_ids": track_ids, "frames": frames}
+    found = {(row.track_id, row.frame_index): row for row in session.scalars(_AT_PLACES, asked)}
+    return [found[place] for place in places]
 
 
 def sightings_of_tracks(session: Session, labelling_id: int, track_ids: Iterable[int]) -> list[Sighting]:
@@ -292,9 +323,12 @@ def set_identity(session: Session, labelling_id: int, track_ids: Sequence[int], 
 
 
 def camera_names(session: Session, drive_id: int) -> dict[int, str]:
-    """Names of the drive's cameras by the store's id."""
-    query = select(CameraRow.id, CameraRow.name).where(CameraRow.drive_id == drive_id)
-    return dict(session.execute(query).all())
+    """Names of the drive's cameras by the store's id. Asked once in a session: a drive's cameras never change."""
+    known: dict[int, dict[int, str]] = session.info.setdefault("camera_names", {})
+    if drive_id not in known:
+        query = select(CameraRow.id, CameraRow.name).where(CameraRow.drive_id == drive_id)
+        known[drive_id] = dict(session.execute(query).all())
+    return known[drive_id]
 
 
 def same_track(a: Any, b: Any) -> Any:

@@ -11,7 +11,8 @@ from app.drives import repository as drives_repository
 from app.errors import InvalidRequest, NotFound
 from app.tracks import label_repository, repository
 from app.tracks.label_repository import LabelledFrames, LabelledObservation
-from app.tracks.models import LabellingRow
+from app.tracks.models import LabellingRow, TrackRow
+from app.tracks.repository import TrackFacts
 from app.tracks.runs import score_runs
 
 MAX_FRAMES = 200
@@ -71,24 +72,29 @@ def tracks_json(session: Session, drive_id: int) -> bytes:
     labelling = repository.current_labelling(session, drive_id)
     if labelling is None:
         return to_json([])
-    cameras = repository.camera_names(session, drive_id)
+    return to_json(track_values(session, labelling, repository.track_facts(session, labelling.id)))
+
+
+def track_values(
+    session: Session, labelling: LabellingRow, tracks: Iterable[TrackRow | TrackFacts]
+) -> list[dict[str, Any]]:
+    """The values of :class:`app.tracks.schemas.Track` of some tracks, in their order."""
+    cameras = repository.camera_names(session, labelling.drive_id)
     names = labelling.class_names
-    return to_json(
-        [
-            {
-                "id": row.track_id,
-                "camera": cameras[row.camera_id],
-                "first_frame": row.first_frame,
-                "last_frame": row.last_frame,
-                "observation_count": row.observation_count,
-                "identity_id": row.identity_id,
-                "best_score": row.best_score,
-                "best_frame": row.best_frame,
-                "class_name": names[row.class_id],
-            }
-            for row in repository.track_facts(session, labelling.id)
-        ]
-    )
+    return [
+        {
+            "id": row.track_id,
+            "camera": cameras[row.camera_id],
+            "first_frame": row.first_frame,
+            "last_frame": row.last_frame,
+            "observation_count": row.observation_count,
+            "identity_id": row.identity_id,
+            "best_score": row.best_score,
+            "best_frame": row.best_frame,
+            "class_name": names[row.class_id],
+        }
+        for row in tracks
+    ]
 
 
 def score_runs_json(session: Session, drive_id: int) -> bytes:

@@ -1213,13 +1213,43 @@ export interface components {
          * @description What a correction changed; ``identity_ids`` are the identities that its tracks are in afterwards.
          */
         EditChange: {
-            edit: components["schemas"]["Edit"];
+            /** Revision */
+            revision: number;
             /** Changed Label Count */
             changed_label_count: number;
             /** Identity Ids */
             identity_ids: number[];
-            /** Revision */
-            revision: number;
+            /**
+             * Identities
+             * @description All that the decision reached, as they are now.
+             */
+            identities: components["schemas"]["Identity"][];
+            /**
+             * Gone Identity Ids
+             * @description Identities whose tracks are in others now.
+             */
+            gone_identity_ids: number[];
+            /**
+             * Tracks
+             * @description All tracks of these identities, as they are now.
+             */
+            tracks: components["schemas"]["Track"][];
+            /**
+             * Merges
+             * @description All merges of these tracks, as they are now.
+             */
+            merges: components["schemas"]["Merge"][];
+            /**
+             * Changed Track Ids
+             * @description Tracks that are of another identity now, or of which a label or a box changed; those that are no more among them.
+             */
+            changed_track_ids: number[];
+            /**
+             * Observations
+             * @description By frame, all that the changed tracks have now; null where there are too many: load them anew.
+             */
+            observations: components["schemas"]["FrameObservations"][] | null;
+            edit: components["schemas"]["Edit"];
         };
         /**
          * EditPage
@@ -1729,17 +1759,11 @@ export interface components {
         };
         /**
          * MergeChange
-         * @description What a decision changed; ``identity_ids`` are the identities that its tracks are in afterwards.
-         *
-         *     A page that had read everything as it was at ``revision`` - 1 has it as it is now with what is in here.
+         * @description What a decision about a merge changed; ``identity_ids`` are the identities that its tracks are in afterwards.
          */
         MergeChange: {
-            merge: components["schemas"]["Merge"];
-            /**
-             * Merges
-             * @description The merges of all tracks of these identities, as they are now, this one among them.
-             */
-            merges: components["schemas"]["Merge"][];
+            /** Revision */
+            revision: number;
             /** Changed Label Count */
             changed_label_count: number;
             /** Identity Ids */
@@ -1755,12 +1779,26 @@ export interface components {
              */
             gone_identity_ids: number[];
             /**
-             * Observations
-             * @description By frame, those of the tracks that came into another identity or have a label that changed.
+             * Tracks
+             * @description All tracks of these identities, as they are now.
              */
-            observations: components["schemas"]["FrameObservations"][];
-            /** Revision */
-            revision: number;
+            tracks: components["schemas"]["Track"][];
+            /**
+             * Merges
+             * @description All merges of these tracks, as they are now.
+             */
+            merges: components["schemas"]["Merge"][];
+            /**
+             * Changed Track Ids
+             * @description Tracks that are of another identity now, or of which a label or a box changed; those that are no more among them.
+             */
+            changed_track_ids: number[];
+            /**
+             * Observations
+             * @description By frame, all that the changed tracks have now; null where there are too many: load them anew.
+             */
+            observations: components["schemas"]["FrameObservations"][] | null;
+            merge: components["schemas"]["Merge"];
         };
         /**
          * MergeDecision

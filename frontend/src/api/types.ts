@@ -15,6 +15,8 @@ export type MergeLooks = Schemas["MergeLooks"];
 export type Look = Schemas["Look"];
 export type Way = Schemas["Way"];
 export type MergeChange = Schemas["MergeChange"];
+/** What a decision of whatever kind changed; openapi-fetch forgets that a box has exactly four numbers. */
+export type LabelChange = Omit<MergeChange, "merge" | "observations"> & { observations: readonly unknown[] | null };
 export type Model = Schemas["Model"];
 export type Edit = Schemas["Edit"];
 export type EditChange = Schemas["EditChange"];

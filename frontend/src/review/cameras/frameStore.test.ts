@@ -220,7 +220,11 @@ describe("FrameStore", () => {
     store.request(5);
     await labels.finish("0-20", 1);
     await finishFrame(5);
-    observations.changedHere(2, [{ frame_index: 5, observations: [observation(5, 7)] }]);
+    const moved = { ...observation(5, 7), track_id: 1 }; // as the server names it
+    observations.changedHere(2, {
+      trackIds: [moved.track_id],
+      frames: [{ frame_index: 5, observations: [moved] }],
+    });
     store.refreshObservations();
     expect(store.committed()).toMatchObject({ revision: 2, observations: [{ id: 5, identity_id: 7 }] });
     expect(labels.asked).toEqual(["0-20"]);

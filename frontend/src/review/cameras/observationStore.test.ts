@@ -1,4 +1,5 @@
 import { describe, expect, it } from "vitest";
+import type { Observation } from "../../api/types";
 import { type ObservationPage, ObservationStore } from "./observationStore";
 
 /** Answers with empty frames of a revision that the test sets. */
@@ -71,26 +72,47 @@ describe("ObservationStore", () => {
   });
 
   it("patches what this page changed into what it knows, and loads nothing again", async () => {
-    const { store, asked } = serve(60);
+    const box = (id: number, track_id: number, identity_id: number) => ({ id, track_id, identity_id }) as Observation;
+    const asked: number[] = [];
+    const store = new ObservationStore(async (start) => {
+      asked.push(start);
+      const frame = (frame_index: number) => ({ frame_index, observations: [box(1, 3, 3), box(2, 5, 5)] });
+      return { revision: 1, frames: [frame(start), frame(start + 1)] };
+    }, 60);
     store.invalidate(1);
-    const [, other] = [await store.ensure(0), await store.ensureAlone(25)];
-    const changed = [
-      { frame_index: 25, observations: [] },
-      { frame_index: 30, observations: [] },
+    const before = await store.ensureAlone(25);
+    const untouched = await store.ensureAlone(40);
+    await store.ensure(0);
+    // Track 5 became one object with track 3, lost its box in frame 1, and got one in frame 2; track 4 is new.
+    const frames = [
+      { frame_index: 0, observations: [box(2, 5, 3)] },
+      { frame_index: 2, observations: [box(9, 5, 3)] },
+      { frame_index: 25, observations: [box(7, 4, 4), box(2, 5, 3)] },
     ];
-    store.changedHere(2, changed);
+    store.changedHere(2, { trackIds: [4, 5], frames });
+    expect(store.get(0)).toEqual([box(1, 3, 3), box(2, 5, 3)]);
+    expect(store.get(1)).toEqual([box(1, 3, 3)]);
+    expect(store.get(2)).toEqual([box(9, 5, 3)]);
+    expect(store.get(3)).toEqual([]);
+    expect(store.get(25)).toEqual([box(1, 3, 3), box(7, 4, 4), box(2, 5, 3)]);
+    expect(store.get(25)).not.toBe(before);
+    expect(store.get(40)).not.toBe(untouched); // track 5 is gone from there
+    expect(store.get(40)).toEqual([box(1, 3, 3)]);
     expect(store.isFresh(0)).toBe(true);
     expect(store.revisionOf(25)).toBe(2);
-    expect(store.get(25)).not.toBe(other);
+
+    const same = store.get(0);
+    store.changedHere(3, { trackIds: [8], frames: [] });
+    expect(store.get(0)).toBe(same); // nothing to paint anew
     await store.ensureAlone(25);
-    expect(asked).toEqual(["0-20", "25-26"]);
+    expect(asked).toEqual([25, 40, 0]);
   });
 
   it("patches what was on its way while this page changed it", async () => {
     const { store, asked } = serve(60);
     store.invalidate(1);
     const ensured = store.ensure(0); // the server answers with revision 1
-    store.changedHere(2, []);
+    store.changedHere(2, { trackIds: [], frames: [] });
     await ensured;
     expect(store.isFresh(0)).toBe(true);
     expect(asked).toHaveLength(1);
@@ -101,7 +123,7 @@ describe("ObservationStore", () => {
     store.invalidate(1);
     await store.ensure(0);
     server.revision = 3;
-    store.changedHere(3, []); // 2 was somebody else's
+    store.changedHere(3, { trackIds: [], frames: [] }); // 2 was somebody else's
     expect(store.isFresh(0)).toBe(false);
     await store.ensure(0);
     server.revision = 4;

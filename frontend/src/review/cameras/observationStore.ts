@@ -4,9 +4,9 @@
  * The frame that a person waits for, or of which only a crop is wanted, may be fetched alone: it is there many times
  * sooner than its block.
  *
- * Labels have a revision. What this page changes itself is patched into what is known, and nothing need be loaded
- * again. What is of an older revision is still served (it shows the right boxes of the right frame, with labels of a
- * moment ago) until the newest is here.
+ * Labels have a revision. What this page changes itself is patched into what is known when that is asked for, and
+ * nothing need be loaded again. What is of an older revision is still served (it shows the right boxes of the right
+ * frame, with labels of a moment ago) until the newest is here.
  */
 
 import type { Observation } from "../../api/types";
@@ -27,7 +27,18 @@ export interface ObservationPage {
   frames: FrameObservations[];
 }
 
+/** What this page changed: all observations of some tracks, which may have lost or got some, or be no more. */
+export interface ObservationChange {
+  trackIds: readonly number[];
+  frames: readonly FrameObservations[];
+}
+
 export type LoadObservations = (start: number, stop: number) => Promise<ObservationPage>;
+
+interface ByFrame {
+  trackIds: ReadonlySet<number>;
+  frames: ReadonlyMap<number, readonly Observation[]>;
+}
 
 interface Block {
   revision: number;
@@ -44,7 +55,7 @@ export class ObservationStore {
   private version = 0;
   private readonly own = new Set<number>();
   /** What this page changed, by the revision that came of it. */
-  private readonly changes = new LeastRecentlyUsed<number, readonly FrameObservations[]>(CHANGES_KEPT);
+  private readonly changes = new LeastRecentlyUsed<number, ByFrame>(CHANGES_KEPT);
 
   constructor(
     private readonly load: LoadObservations,
@@ -65,7 +76,7 @@ export class ObservationStore {
 
   /** Whether the frame's whole block is here and of the latest revision. */
   isFresh(frame: number): boolean {
-    return (this.blocks.get(blockOf(frame))?.revision ?? -1) >= this.revision;
+    return (this.upToDate(this.blocks.get(blockOf(frame)))?.revision ?? -1) >= this.revision;
   }
 
   /** Resolves once the frame's own observations are known and of the latest revision; its block comes later. */
@@ -93,15 +104,14 @@ export class ObservationStore {
     return this.revision;
   }
 
-  /**
-   * A change that this page made itself. `frames` are all observations that it changed, as they are now; without them,
-   * everything is loaded anew.
-   */
-  changedHere(revision: number, frames?: readonly FrameObservations[]): void {
+  /** A change that this page made itself; where it is not said what it was, everything is loaded anew. */
+  changedHere(revision: number, change?: ObservationChange): void {
     this.own.add(revision);
-    if (frames) this.changes.set(revision, frames);
+    if (change) {
+      const frames = new Map(change.frames.map((one) => [one.frame_index, one.observations] as const));
+      this.changes.set(revision, { trackIds: new Set(change.trackIds), frames });
+    }
     this.revision = Math.max(this.revision, revision);
-    for (const block of [...this.blocks.values(), ...this.alone.values()]) this.bringUp(block);
     this.notify();
   }
 
@@ -134,17 +144,17 @@ export class ObservationStore {
 
   /** Where the newest of what is known of a frame is; the block where both are as new. */
   private holder(frame: number): Block | undefined {
-    const block = this.blocks.get(blockOf(frame));
-    const single = this.alone.get(frame);
+    const block = this.upToDate(this.blocks.get(blockOf(frame)));
+    const single = this.upToDate(this.alone.get(frame));
     return single && single.revision > (block?.revision ?? -1) ? single : block;
   }
 
   private keepBlock(index: number, block: Block): void {
-    const known = this.blocks.get(index);
+    const known = this.upToDate(this.blocks.get(index));
     if (known && known.revision > block.revision) return;
     for (const frame of block.frames.keys()) {
       // What is on the screen already stays the same object: nothing is painted twice.
-      const single = this.alone.get(frame);
+      const single = this.upToDate(this.alone.get(frame));
       if (single?.revision === block.revision) block.frames.set(frame, single.frames.get(frame) as Observation[]);
       this.alone.delete(frame);
     }
@@ -163,8 +173,7 @@ export class ObservationStore {
         for (const one of page.frames) frames.set(one.frame_index, one.observations);
         // The server can't know less than it had told before this was asked.
         const block = { revision: Math.max(page.revision, known), frames };
-        this.bringUp(block);
-        keep(block);
+        keep(this.upToDate(block));
         this.hear(page.revision);
       })
       .finally(() => this.inFlight.delete(key));
@@ -173,21 +182,14 @@ export class ObservationStore {
   }
 
   /** Patches into a block what this page changed since, up to the first change that it does not know. */
-  private bringUp(block: Block): void {
-    while (block.revision < this.revision) {
+  private upToDate<B extends Block | undefined>(block: B): B {
+    while (block && block.revision < this.revision) {
       const change = this.changes.get(block.revision + 1);
-      if (!change) return;
-      for (const { frame_index: frame, observations } of change) {
-        const before = block.frames.get(frame);
-        if (!before) continue;
-        const now = new Map(observations.map((one) => [one.id, one]));
-        block.frames.set(
-          frame,
-          before.map((one) => now.get(one.id) ?? one),
-        );
-      }
+      if (!change) break;
+      for (const [frame, before] of block.frames) block.frames.set(frame, patched(before, change, frame));
       block.revision += 1;
     }
+    return block;
   }
 
   private hear(revision: number): void {
@@ -199,4 +201,11 @@ export class ObservationStore {
 
 function blockOf(frame: number): number {
   return Math.floor(frame / BLOCK_FRAMES);
+}
+
+/** The observations of a frame after a change, in order of track as the server gives them; the same where none changed. */
+function patched(before: Observation[], { trackIds, frames }: ByFrame, frame: number): Observation[] {
+  const now = frames.get(frame) ?? [];
+  if (now.length === 0 && !before.some((one) => trackIds.has(one.track_id))) return before;
+  return [...before.filter((one) => !trackIds.has(one.track_id)), ...now].sort((a, b) => a.track_id - b.track_id);
 }

@@ -7,6 +7,7 @@ import { identitiesQuery } from "../../api/queries";
 import type { Correction, EditChange } from "../../api/types";
 import { useQuietMutation } from "../../api/useQuietMutation";
 import { text } from "../../strings";
+import { useChanges } from "../changes/useChanges";
 import { useShared } from "../ReviewContext";
 import { describeEdit } from "./describe";
 
@@ -32,7 +33,7 @@ export type Ask =
   | { verb: "undo"; editId?: number | undefined }
   | { verb: "redo"; editId?: number | undefined };
 
-function send(driveId: number, ask: Ask, revision: number | null): Promise<EditChange> {
+function send(driveId: number, ask: Ask, revision: number | null) {
   const params = { path: { drive_id: driveId } };
   switch (ask.verb) {
     case "edit":
@@ -64,20 +65,24 @@ export function selectionAfter(
 }
 
 export function useEdits() {
-  const { driveId, store, frames, observations } = useShared();
+  const { driveId, store, observations } = useShared();
   const client = useQueryClient();
+  const changes = useChanges();
   const mutationKey = ["decide", driveId];
   const { show } = useEditNotice.getState();
 
   const mutate = useQuietMutation({
     mutationKey,
     scope: { id: `decide-${driveId}` },
-    mutationFn: (ask: Ask) => send(driveId, ask, observations.knownRevision()),
-    onSuccess: (change, ask) => {
-      observations.changedHere(change.revision);
-      frames.refreshObservations();
+    mutationFn: async (ask: Ask) => {
+      const seen = observations.knownRevision();
+      return { seen, change: await send(driveId, ask, seen) };
+    },
+    onSuccess: ({ seen, change }, ask) => {
       const known = new Set((client.getQueryData(identitiesQuery(driveId).queryKey) ?? []).map((one) => one.id));
       const selected = store.getState().identityIds;
+      changes.show(change, seen);
+      changes.list(change, seen);
       if (ask.verb === "edit") {
         store.setState({ identityIds: selectionAfter(selected, known, change, ask.edit.kind) });
         show("done", describeEdit(change.edit));
@@ -88,8 +93,8 @@ export function useEdits() {
       }
     },
     onError: (cause) => show("refused", messageOf(cause)),
-    onSettled: async () => {
-      if (client.isMutating({ mutationKey }) === 1) await client.invalidateQueries({ queryKey: ["drive", driveId] });
+    onSettled: async (_, error) => {
+      if (client.isMutating({ mutationKey }) === 1) await changes.settle(error !== null);
     },
   });
 

@@ -4,15 +4,14 @@ import { type QueryClient, useQuery, useQueryClient } from "@tanstack/react-quer
 import { useCallback, useMemo } from "react";
 import { create } from "zustand";
 import { ApiError, api, messageOf, unwrap } from "../../api/client";
-import { identitiesQuery, mergesKey, mergesQuery, tracksQuery } from "../../api/queries";
+import { mergesKey, mergesQuery } from "../../api/queries";
 import type { Merge, MergeState } from "../../api/types";
 import { useQuietMutation } from "../../api/useQuietMutation";
 import { afterPaint } from "../../app/afterPaint";
 import { text } from "../../strings";
-import type { FrameObservations } from "../cameras/observationStore";
+import { useChanges } from "../changes/useChanges";
 import { useShared } from "../ReviewContext";
 import { afterDecision, bestFrame, mergesOf } from "./order";
-import { type Changed, patchIdentities, patchTracks } from "./patchLists";
 
 export type Decision = "accept" | "reject" | "unsure" | "undo";
 
@@ -76,6 +75,7 @@ export function useMerges(): readonly Merge[] {
 export function useDecisions() {
   const { driveId, store, frames, observations } = useShared();
   const client = useQueryClient();
+  const changes = useChanges();
   const key = useMemo(() => mergesKey(driveId), [driveId]);
   const mutationKey = useMemo(() => ["decide", driveId], [driveId]);
 
@@ -92,21 +92,8 @@ export function useDecisions() {
     [store, frames, client, key],
   );
 
-  const replace = (...merges: Merge[]) => {
-    const now = new Map(merges.map((merge) => [merge.id, merge]));
-    client.setQueryData<Merge[]>(key, (all) => all?.map((one) => now.get(one.id) ?? one));
-  };
-
-  /** Puts what changed into the lists, where they are here; a list that is on its way is asked for anew. */
-  const takeOver = (change: Changed) => {
-    const { queryKey: identitiesKey } = identitiesQuery(driveId);
-    const { queryKey: tracksKey } = tracksQuery(driveId);
-    client.setQueryData(identitiesKey, (all) => all && patchIdentities(all, change));
-    client.setQueryData(tracksKey, (all) => all && patchTracks(all, change));
-    for (const queryKey of [identitiesKey, tracksKey]) {
-      if (client.isFetching({ queryKey }) > 0) void client.invalidateQueries({ queryKey });
-    }
-  };
+  const replace = (merge: Merge) =>
+    client.setQueryData<Merge[]>(key, (all) => all?.map((one) => (one.id === merge.id ? merge : one)));
 
   /** Sends a decision at once where no other is on its way: the server works on it while the page is painted. */
   const send = (merge: Merge, decision: Decision) => {
@@ -132,20 +119,13 @@ export function useDecisions() {
       return { seen, change: await (sent?.answer ?? post(decision, merge.id, seen)) };
     },
     onSuccess: ({ seen, change }, { decision }) => {
-      // Where somebody else changed something meanwhile, what came with the answer is not all.
-      const whole = change.revision <= seen + 1;
-      if (change.revision > seen) {
-        // openapi-fetch forgets that a box has exactly four numbers.
-        observations.changedHere(change.revision, whole ? (change.observations as FrameObservations[]) : undefined);
-        frames.refreshObservations();
-      }
+      changes.show(change, seen);
       // The labels in the pictures come first; lists and lanes follow.
       afterPaint(() => {
         // What others are on their way with is not undone by what the server knew before it.
         const waiting = new Set(pendingMerges(client, mutationKey));
-        replace(...change.merges.filter((merge) => merge.id === change.merge.id || !waiting.has(merge.id)));
-        if (whole) takeOver(change);
-        else void client.invalidateQueries({ queryKey: ["drive", driveId] });
+        waiting.delete(change.merge.id);
+        changes.list(change, seen, waiting);
         const { mergeId, select } = store.getState();
         if (decision === "undo") {
           forget(change.merge.id);
@@ -164,13 +144,7 @@ export function useDecisions() {
       afterPaint(() => frames.release());
       // Others may be on their way: the last one asks for the whole truth, or it would undo what they show.
       if (client.isMutating({ mutationKey }) !== 1) return;
-      void client.invalidateQueries({ queryKey: ["drive", driveId, "looks"], refetchType: "none" });
-      // What changed came with the answer; only counts are missing.
-      const parts = error ? [["tracks"], ["identities"], ["merges"]] : [];
-      await Promise.all([
-        client.invalidateQueries({ queryKey: ["drive", driveId], exact: true }),
-        ...parts.map((part) => client.invalidateQueries({ queryKey: ["drive", driveId, ...part] })),
-      ]);
+      await changes.settle(error !== null);
     },
   });
 
