@@ -12,6 +12,8 @@ from app.commands.options import (
     AsJson,
     DonorWindow,
     DriveFolder,
+    EgoMotion,
+    EgoMotionUse,
     Identity,
     InputSize,
     ModelName,
@@ -53,6 +55,7 @@ def label(
     workspace: WorkspaceFolder = None,
     input_size: InputSize = None,
     tracker: TrackerName = None,
+    ego_motion: EgoMotion = EgoMotionUse.FULL,
     identity: Identity = None,
     propagation: Propagation = None,
     top_k: TopK = None,
@@ -76,7 +79,12 @@ def label(
     )
     with open_executor(executor.value, workers=workers) as open_workers:
         summary = label_into_store(
-            settings, drive, scene=scene, input_size=input_size, tracker=tracker, executor=open_workers
+            settings,
+            drive,
+            scene=scene,
+            input_size=input_size,
+            tracking=tracking_config(tracker, ego_motion.value),
+            executor=open_workers,
         )
     if as_json:
         typer.echo(json.dumps(summary))
@@ -88,7 +96,7 @@ def label_into_store(
     *,
     scene: str | None,
     input_size: int | None,
-    tracker: str | None = None,
+    tracking: TrackingConfig | None = None,
     executor: Executor,
 ) -> Summary:
     """Label the drive in a folder, take the result into the store, and say on standard error what came out."""
@@ -107,7 +115,7 @@ def label_into_store(
             segmentation=segmentation,
             boxes=boxes_file(settings),
             workspace=settings.workspace,
-            settings=label_settings(settings, input_size, tracker),
+            settings=label_settings(settings, input_size, tracking),
             decisions=decisions_about(settings, recorded, scene=scene),
             executor=executor,
             progress=progress,
@@ -136,13 +144,21 @@ def store_labels(
     engine.dispose()
 
 
-def label_settings(settings: Settings, input_size: int | None, tracker: str | None = None) -> LabelSettings:
-    """The labeler's settings as the user wants them, with the input size and the tracker where they are given.
+def tracking_config(tracker: str | None, ego_motion: str) -> TrackingConfig:
+    """How to track. TrackingError when there is no such tracker."""
+    config = TrackingConfig(ego_motion=ego_motion)
+    return config if tracker is None else replace(config, method=tracker)
 
-    HindsightError when the input size is out of range or there is no such tracker."""
-    chosen = LabelSettings(identity=IdentityConfig(method=settings.identity), propagation=settings.propagation_config)
-    if tracker is not None:
-        chosen = replace(chosen, tracking=TrackingConfig(method=tracker))
+
+def label_settings(settings: Settings, input_size: int | None, tracking: TrackingConfig | None = None) -> LabelSettings:
+    """The labeler's settings as the user wants them, with the input size and how to track where they are given.
+
+    HindsightError when the input size is out of range."""
+    chosen = LabelSettings(
+        tracking=tracking or TrackingConfig(),
+        identity=IdentityConfig(method=settings.identity),
+        propagation=settings.propagation_config,
+    )
     if input_size is None:
         return chosen
     try:

@@ -14,6 +14,14 @@ class IdentityMethod(StrEnum):
     BASELINE = "baseline"
 
 
+class EgoMotionUse(StrEnum):
+    """What of the car's own motion boxes are predicted by."""
+
+    FULL = "full"
+    ROTATION = "rotation"
+    NONE = "none"
+
+
 class PropagationRule(StrEnum):
     """Whose label all sightings of an object get."""
 
@@ -68,6 +76,14 @@ TrackerName = Annotated[
         help="How objects are followed: offline knows the future, two_stage does not, baseline is the paper's own "
         "variant. (default: offline)",
         show_default=False,
+    ),
+]
+EgoMotion = Annotated[
+    EgoMotionUse,
+    typer.Option(
+        "--ego-motion",
+        help="What of the car's own motion boxes are predicted by, where poses and calibration are known: its turns "
+        "and its way (full), its turns alone (rotation), or nothing (none).",
     ),
 ]
 Identity = Annotated[

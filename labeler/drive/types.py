@@ -111,6 +111,10 @@ class Poses:
 
     def at(self, timestamp_ns: int) -> NDArray[np.float64]:
         """``city_SE3_ego`` at a moment, (4, 4): interpolated; before the first the first, after the last the last."""
+        return self.at_each(np.array([timestamp_ns], np.int64))[0]
+
+    def at_each(self, timestamp_ns: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Those at several moments (N,), (N, 4, 4)."""
         return interpolate_se3(self.timestamp_ns, self.city_SE3_ego, timestamp_ns)
 
 

@@ -26,7 +26,9 @@ from labeler.drive.types import Drive
 from labeler.evaluation.types import EvaluationError
 from labeler.geometry.boxes_2d import iou_matrix
 from labeler.identity import CameraView, MultiCameraFrame
+from labeler.identity.config import BASELINE
 from labeler.pipeline import plan
+from labeler.pipeline.colouring import measure_colours
 from labeler.pipeline.detecting import read_detections
 from labeler.pipeline.reading import read_labelled_frames, read_observations, read_views
 from labeler.pipeline.results import ResultFiles
@@ -156,11 +158,15 @@ def _label_without_hidden(
             files.tracking,
             class_groups=files.class_groups,
             first_track_id=plan.first_track_id(number),
+            motion=plan.motion_of(drive, camera, files.class_names, files.tracking) if files.class_names else None,
         )
         progress.advance()
     identities, donors = folder / "identities.json", folder / "donors.json"
     rig, times_ns = plan.rig_of(drive), plan.frame_times_of(drive)
-    merging = IdentityUnit("", tracks, files.boxes_3d, files.identity, files.class_groups, rig, files.decisions)
+    colours = _colours(drive, tracks, files, folder)
+    merging = IdentityUnit(
+        "", tracks, files.boxes_3d, colours, files.identity, files.class_groups, rig, files.decisions
+    )
     find_identities(merging, identities)
     choose_donors(DonorUnit("", tracks, identities, files.propagation, times_ns), donors)
     labels = {camera: folder / f"labels-{number}.arrow" for number, camera in enumerate(tracks)}
@@ -168,6 +174,17 @@ def _label_without_hidden(
         label_camera(LabelUnit("", tracks[camera], identities, donors, files.propagation, times_ns), path)
     progress.advance()
     return ((frame.frame_index, frame.views) for frame in read_labelled_frames(tracks, labels, files.boxes_3d))
+
+
+def _colours(drive: Drive, tracks: Mapping[str, Path], files: ResultFiles, folder: Path) -> tuple[Path, ...]:
+    """The colours of these tracks, in files of ``folder``, where merging looked at colours."""
+    if files.identity.method == BASELINE:
+        return ()
+    paths: list[Path] = []
+    for number, unit in enumerate(plan.colour_units(drive, tracks)):
+        paths.append(folder / f"colours-{number}.arrow")
+        measure_colours(unit, paths[-1])
+    return tuple(paths)
 
 
 def _confident(observations: Observations, config: AuditConfig) -> NDArray[np.bool_]:

@@ -32,8 +32,9 @@ from labeler.evaluation.text_sequences import CAMERA, CAR_CLASS_ID, read_sequenc
 from labeler.evaluation.truth import TruthTable, image_number, prepare_truth
 from labeler.evaluation.types import EvaluationConfig, EvaluationError
 from labeler.pipeline import LabelSettings, label_drive
+from labeler.pipeline.plan import motion_of
 from labeler.pipeline.results import find_detections
-from labeler.tracking import DetectedFrame, Observations, TrackingConfig
+from labeler.tracking import CameraMotion, DetectedFrame, Observations, TrackingConfig
 from labeler.tracking.curves import CurveModel
 from labeler.tracking.offline import OfflineTracker
 from labeler.tracking.trust import FEATURES, shipped, trust_of
@@ -87,7 +88,7 @@ def samples_of_drive(folder: Path, *, models: Sequence[Path], workspace: Path) -
         for camera, open_frames in found.items():
             yield _sample(
                 f"{drive.name}, {camera}, {model.stem}",
-                _Tracked.of(open_frames(), groups),
+                _Tracked.of(open_frames(), groups, motion_of(drive, camera, labelled.class_names, TrackingConfig())),
                 (cameras.index(camera), len(cameras)),
                 labelled.class_names,
                 table[np.flatnonzero(table.camera == cameras.index(camera))],
@@ -138,7 +139,9 @@ class _Tracked:
     features: NDArray[np.float64]
 
     @staticmethod
-    def of(frames: Iterable[DetectedFrame], class_groups: Sequence[int]) -> _Tracked:
+    def of(
+        frames: Iterable[DetectedFrame], class_groups: Sequence[int], motion: CameraMotion | None = None
+    ) -> _Tracked:
         """Boxes are judged in windows, some twice: the number of its features stands for the trust of each."""
         judged: list[NDArray[np.float64]] = []
 
@@ -147,7 +150,7 @@ class _Tracked:
             judged.append(features)
             return first + np.arange(len(features), dtype=np.float64)
 
-        tracker = OfflineTracker(TrackingConfig(), class_groups=class_groups, judge=number)
+        tracker = OfflineTracker(TrackingConfig(), class_groups=class_groups, motion=motion, judge=number)
         observations = [Observations.empty(), *tracker.track(frames, first_track_id=1)]
         numbers = np.concatenate([one.trust for one in observations]).astype(np.intp)
         return _Tracked(observations, np.concatenate([np.zeros((0, len(FEATURES))), *judged])[numbers])

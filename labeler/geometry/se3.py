@@ -2,7 +2,7 @@
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.spatial.transform import Rotation, Slerp
+from scipy.spatial.transform import Rotation
 
 
 def se3(rotation: ArrayLike, translation_m: ArrayLike) -> NDArray[np.float64]:
@@ -38,18 +38,24 @@ def yaw_of(a_SE3_b: NDArray[np.float64]) -> float:
     return float(np.arctan2(a_SE3_b[1, 0], a_SE3_b[0, 0]))
 
 
-def interpolate_se3(times_ns: NDArray[np.int64], poses: NDArray[np.float64], time_ns: int) -> NDArray[np.float64]:
-    """The pose at ``time_ns`` among (N, 4, 4) ``poses`` at increasing ``times_ns`` (N,): linear in place, slerp in
-    rotation.
+def interpolate_se3(
+    times_ns: NDArray[np.int64], poses: NDArray[np.float64], wanted_ns: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    """(M, 4, 4) the poses at ``wanted_ns`` (M,) among (N, 4, 4) ``poses`` at increasing ``times_ns`` (N,): linear in
+    place, slerp in rotation.
 
     Outside of the times, the nearest pose. N must be at least 1."""
-    right = int(np.searchsorted(times_ns, time_ns))
-    if right == 0:
-        return poses[0].copy()
-    if right == len(times_ns):
-        return poses[-1].copy()
-    before, after = int(times_ns[right - 1]), int(times_ns[right])
-    share = (time_ns - before) / (after - before)
-    rotation = Slerp([0.0, 1.0], Rotation.from_matrix(poses[right - 1 : right + 1, :3, :3]))(share)
-    translation_m = (1 - share) * poses[right - 1, :3, 3] + share * poses[right, :3, 3]
-    return se3(rotation.as_matrix(), translation_m)
+    right = np.clip(np.searchsorted(times_ns, wanted_ns), 1, max(len(times_ns) - 1, 1))
+    before, after = right - 1, np.minimum(right, len(times_ns) - 1)
+    length_ns = times_ns[after] - times_ns[before]
+    share = np.clip((wanted_ns - times_ns[before]) / np.maximum(length_ns, 1), 0.0, 1.0)
+    found = poses[before].copy()
+    between = np.flatnonzero(share > 0)  # what is asked for at a recorded time is answered as it was recorded
+    if len(between):
+        start = Rotation.from_matrix(poses[before[between], :3, :3])
+        turn = start.inv() * Rotation.from_matrix(poses[after[between], :3, :3])
+        part = share[between, None]
+        found[between, :3, :3] = (start * Rotation.from_rotvec(part * turn.as_rotvec())).as_matrix()
+        found[between, :3, 3] = (1 - part) * poses[before[between], :3, 3] + part * poses[after[between], :3, 3]
+    found[share == 1.0] = poses[after[share == 1.0]]
+    return found

@@ -22,7 +22,7 @@ from labeler.detection import DetectionConfig, Detector
 from labeler.detection.classes import suppression_group_of
 from labeler.drive import Camera, Drive, Frame, ImageFile, SweepFile
 from labeler.identity import Decisions, IdentityConfig, Rig, calibration
-from labeler.lidar import LidarConfig
+from labeler.lidar import LidarConfig, usual_sizes_m
 from labeler.pipeline.artifacts import Artifacts, key_of
 from labeler.pipeline.colouring import ColourUnit
 from labeler.pipeline.detecting import DetectUnit
@@ -30,7 +30,7 @@ from labeler.pipeline.lidar_units import LidarFrame, LidarUnit, lidar_frame
 from labeler.pipeline.segmenting import SegmentUnit
 from labeler.pipeline.units import DonorUnit, IdentityUnit, LabelUnit, TrackUnit
 from labeler.propagation import PropagationConfig, probability
-from labeler.tracking import TrackingConfig, trust
+from labeler.tracking import CameraMotion, TrackingConfig, trust
 
 CLIP_FRAMES = 16
 TRACK_IDS_PER_CAMERA = 1_000_000
@@ -137,15 +137,35 @@ def lidar_units(
     return planned
 
 
-def track_units(clips: Clips, classes: Classes, config: TrackingConfig) -> list[TrackUnit]:
+def track_units(drive: Drive, clips: Clips, classes: Classes, config: TrackingConfig) -> list[TrackUnit]:
     """A unit for each camera; the n-th camera's tracks are numbered from n million and 1."""
     planned: list[TrackUnit] = []
     for number, (camera, paths) in enumerate(clips.by_camera().items(), start=1):
         first_id = first_track_id(number)
-        key = key_of(config, classes.groups, camera, first_id, [path.name for path in paths], trust.shipped_text())
+        motion = motion_of(drive, camera, classes.names, config)
+        key = key_of(
+            config,
+            classes.groups,
+            camera,
+            first_id,
+            [path.name for path in paths],
+            trust.shipped_text(),
+            None if motion is None else motion.content(),
+        )
         effort = clips.images[camera]
-        planned.append(TrackUnit(key, tuple(paths), config, classes.groups, first_id, effort))
+        planned.append(TrackUnit(key, tuple(paths), config, classes.groups, first_id, effort, motion))
     return planned
+
+
+def motion_of(drive: Drive, camera: str, class_names: Sequence[str], config: TrackingConfig) -> CameraMotion | None:
+    """How a camera moves, for its tracker; None where it is not known, or ``config`` does without it."""
+    if config.ego_motion == "none" or config.method == "baseline":
+        return None
+    height_m = usual_sizes_m(np.arange(len(class_names)), tuple(class_names))[:, 2]
+    if config.ego_motion == "rotation":
+        height_m = np.full(len(class_names), np.inf)  # seen as from far away, where only turns count
+    times_ns = [frame.images[camera].timestamp_ns for frame in drive.frames if camera in frame.images]
+    return CameraMotion.of(drive.camera(camera), drive.poses, times_ns, height_m)
 
 
 def first_track_id(camera_number: int) -> int:

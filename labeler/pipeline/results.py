@@ -23,7 +23,8 @@ _FILES = "files"
 @dataclass(frozen=True)
 class ResultFiles:
     """All that labels are made from once images and sweeps are read: the artifacts of detection by camera and in order
-    of time, of tracking by camera, of the LiDAR step, and the settings of what follows."""
+    of time, of tracking by camera, of the LiDAR step, the detector's classes and the groups that it may waver within,
+    and the settings of what follows. Results from before tracking knew the car's motion have no ``class_names``."""
 
     detections: Mapping[str, tuple[Path, ...]]
     tracks: Mapping[str, Path]
@@ -33,6 +34,7 @@ class ResultFiles:
     identity: IdentityConfig
     propagation: PropagationConfig
     decisions: Decisions
+    class_names: tuple[str, ...] = ()
 
     def moved(self, move: Callable[[Path], Path]) -> ResultFiles:
         """The same with other paths."""

@@ -152,7 +152,7 @@ def _run_stages(
         lidar_units = plan.lidar_units(drive, clips, segmented, classes, lidar, artifacts=artifacts)
     boxes_3d = run.stage(LIDAR, lidar_units)
 
-    track_units = plan.track_units(clips, classes, settings.tracking)
+    track_units = plan.track_units(drive, clips, classes, settings.tracking)
     tracks = dict(zip(clips.of_camera, run.stage(TRACK, track_units), strict=True))
 
     colours = _colours(run, drive, tracks, settings.identity)
@@ -251,6 +251,7 @@ def _files_of(results: _Results, settings: LabelSettings, decisions: Decisions) 
         detections={camera: tuple(paths) for camera, paths in results.detections.items()},
         tracks=results.tracks,
         boxes_3d=tuple(results.boxes_3d),
+        class_names=results.class_names,
         class_groups=results.class_groups,
         tracking=settings.tracking,
         identity=settings.identity,

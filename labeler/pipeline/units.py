@@ -22,14 +22,14 @@ from labeler.pipeline.stages import Stage
 from labeler.pipeline.tables import columns_of, concatenate, read_batches, rows_of, write_table
 from labeler.pipeline.types import TrackSummary
 from labeler.propagation import Donor, PropagationConfig, Votes, collect_votes, donor_of, label_observations
-from labeler.tracking import DetectedFrame, Observations, TrackingConfig, open_tracker
+from labeler.tracking import CameraMotion, DetectedFrame, Observations, TrackingConfig, open_tracker
 
 _FRAMES_PER_BATCH = 64
 
 
 @dataclass(frozen=True)
 class TrackUnit:
-    """Tracking inside one camera, over the whole drive."""
+    """Tracking inside one camera, over the whole drive; ``motion`` is the camera's, where it counts."""
 
     key: str
     detections: tuple[Path, ...]
@@ -37,6 +37,7 @@ class TrackUnit:
     class_groups: tuple[int, ...]
     first_track_id: int
     effort: int
+    motion: CameraMotion | None = None
 
 
 @dataclass(frozen=True)
@@ -63,6 +64,7 @@ def track(unit: TrackUnit, path: Path) -> None:
         unit.config,
         class_groups=unit.class_groups,
         first_track_id=unit.first_track_id,
+        motion=unit.motion,
     )
 
 
@@ -73,9 +75,11 @@ def track_detections(
     *,
     class_groups: Sequence[int],
     first_track_id: int,
+    motion: CameraMotion | None,
 ) -> None:
-    """Write the observations of the tracks in one camera's frames, in order of frames."""
-    tracker = open_tracker(config, class_groups=class_groups)
+    """Write the observations of the tracks in one camera's frames, in order of frames. ``motion`` is the camera's,
+    where boxes are to be predicted by it."""
+    tracker = open_tracker(config, class_groups=class_groups, motion=motion)
     write_table(path, _batched(tracker.track(frames, first_track_id=first_track_id)))
 
 

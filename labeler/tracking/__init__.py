@@ -1,5 +1,6 @@
 """Step 3: multi-object tracking inside one camera."""
 
+from labeler.tracking.camera_motion import CameraMotion
 from labeler.tracking.config import TrackingConfig
 from labeler.tracking.errors import TrackingError
 from labeler.tracking.registry import open_tracker
@@ -7,6 +8,7 @@ from labeler.tracking.types import NO_DETECTION, DetectedFrame, Observations, Tr
 
 __all__ = [
     "NO_DETECTION",
+    "CameraMotion",
     "DetectedFrame",
     "Observations",
     "Tracker",

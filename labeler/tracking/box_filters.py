@@ -89,6 +89,10 @@ class BoxFilters:
         self.state = transition @ self.state
         self.state[8:] += grown
 
+    def move(self, moved_px: _Array) -> None:
+        """Move all boxes by what is known (4, B), in centre x, centre y, width and height."""
+        self.state[POSITION] += moved_px
+
     def predict_each(self, dt_s: _Array) -> None:
         """Move each box on by seconds of its own (B,)."""
         state = self.state.copy()

@@ -8,6 +8,7 @@ from dataclasses import dataclass, fields
 from labeler.tracking.errors import TrackingError
 
 METHODS = ("offline", "two_stage", "baseline")
+EGO_MOTIONS = ("full", "rotation", "none")
 
 
 @dataclass(frozen=True)
@@ -20,6 +21,10 @@ class TrackingConfig:
     method: str = "offline"
     """Which tracker: ``baseline`` is the paper's own variant, ``two_stage`` associates sure detections before weak
     ones, ``offline`` adds passes that know the future."""
+
+    ego_motion: str = "full"
+    """What of the car's own motion boxes are predicted by, where poses and calibration are known: its turns and its way
+    (``full``), its turns (``rotation``), or nothing (``none``). The paper's variant takes nothing."""
 
     birth_score: float = 0.3
     """A detection with at least this score may begin a track (two-stage: see ``sure_score``)."""
@@ -87,6 +92,10 @@ class TrackingConfig:
     def __post_init__(self) -> None:
         if self.method not in METHODS:
             raise TrackingError(f"There is no tracking method {self.method!r}. Choose one of: {', '.join(METHODS)}.")
+        if self.ego_motion not in EGO_MOTIONS:
+            raise TrackingError(
+                f"There is no ego motion {self.ego_motion!r} to predict by. Choose one of: {', '.join(EGO_MOTIONS)}."
+            )
         for field in fields(self):
             value: object = getattr(self, field.name)
             if isinstance(value, int | float) and not (math.isfinite(value) and value >= 0):

@@ -9,7 +9,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from labeler.tracking.box_filters import BoxFilters
+from labeler.tracking.box_filters import POSITION, BoxFilters
+from labeler.tracking.camera_motion import TracksMotion
 from labeler.tracking.config import TrackingConfig
 from labeler.tracking.pairing import overlapping, pair_off
 from labeler.tracking.smoothing import Paths
@@ -17,7 +18,13 @@ from labeler.tracking.window import NO_TRACK, Window
 
 
 def extend_back(
-    window: Window, paths: Paths, group: NDArray[np.int64], config: TrackingConfig, *, first_frame: int
+    window: Window,
+    paths: Paths,
+    group: NDArray[np.int64],
+    config: TrackingConfig,
+    *,
+    first_frame: int,
+    motion: TracksMotion | None = None,
 ) -> tuple[NDArray[np.intp], NDArray[np.int64]]:
     """Detections (rows of the window) and the number of the track that takes each, back to ``first_frame`` at most.
 
@@ -38,6 +45,9 @@ def extend_back(
             staying = seen_s - now_s <= config.max_coast_s
             filters.keep(staying)
             follows, seen_s = follows[staying], seen_s[staying]
+            if motion is not None:
+                here = np.full(len(follows), frame)
+                filters.move(motion.between(filters.state[POSITION], follows, here + 1, here))
             filters.predict(window.time_s[frame + 1] - now_s)
             begin = int(window.start[frame])
             free = begin + np.flatnonzero(is_free[begin : int(window.start[frame + 1])])

@@ -28,11 +28,13 @@ def check_order(previous: DetectedFrame | None, frame: DetectedFrame) -> None:
 
 
 class Usable(NamedTuple):
-    """The detections of a frame that can be used: their ``rows`` (M,) in it, boxes (M, 4), scores and class groups."""
+    """The detections of a frame that can be used: their ``rows`` (M,) in it, boxes (M, 4), scores, classes and groups
+    of classes."""
 
     rows: NDArray[np.intp]
     xyxy_px: NDArray[np.float64]
     score: NDArray[np.float32]
+    class_id: NDArray[np.int16]
     group: NDArray[np.int64]
     broken_count: int
     """How many others are not sound."""
@@ -64,12 +66,14 @@ def _usable_of(frames: Sequence[DetectedFrame], min_score: float, class_groups: 
     counts = np.array([len(one) for one in found])
     number_of = np.repeat(np.arange(len(frames)), counts)
     number = number_of[kept]
-    group = _groups_of(np.concatenate([one.class_id for one in found])[kept], frames, number, class_groups)
+    class_id = np.concatenate([one.class_id for one in found])[kept]
+    group = _groups_of(class_id, frames, number, class_groups)
     rows, xyxy_px, score = kept - (np.cumsum(counts) - counts)[number], xyxy_px[kept], score[kept]
     broken_count = np.bincount(number_of[~sound], minlength=len(frames)).tolist()
     start = 0
     for stop, broken in zip(np.cumsum(np.bincount(number, minlength=len(frames))).tolist(), broken_count, strict=True):
-        yield Usable(rows[start:stop], xyxy_px[start:stop], score[start:stop], group[start:stop], broken)
+        part = slice(start, stop)
+        yield Usable(rows[part], xyxy_px[part], score[part], class_id[part], group[part], broken)
         start = stop
 
 

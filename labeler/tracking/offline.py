@@ -18,6 +18,7 @@ from itertools import count, pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from labeler.tracking.camera_motion import CameraMotion, TracksMotion
 from labeler.tracking.config import TrackingConfig
 from labeler.tracking.extension import extend_back
 from labeler.tracking.frames import NS_PER_S, with_usable_detections
@@ -43,11 +44,20 @@ class OfflineTracker:
 
     ``class_groups[class_id]`` is a number; a track holds only classes of one number. ``rejected_count`` counts
     detections that could not be used: score or box not finite, or a box without area. ``judge`` gives the trust (N,)
-    of boxes from their features (N, F), see :mod:`labeler.tracking.trust`.
+    of boxes from their features (N, F), see :mod:`labeler.tracking.trust`. ``motion`` is the camera's, where it is
+    known.
     """
 
-    def __init__(self, config: TrackingConfig, *, class_groups: Sequence[int], judge: Judge = trust_of) -> None:
+    def __init__(
+        self,
+        config: TrackingConfig,
+        *,
+        class_groups: Sequence[int],
+        motion: CameraMotion | None = None,
+        judge: Judge = trust_of,
+    ) -> None:
         self._config = config
+        self._motion = motion
         self._class_groups = np.asarray(class_groups, np.int64)
         self._judge = judge
         self.rejected_count = 0
@@ -59,7 +69,7 @@ class OfflineTracker:
         Raises TrackingError where frames come out of order (equal timestamps are taken as no time passing) or a class
         id has no group.
         """
-        mending = _Mending(self._config, self._judge)
+        mending = _Mending(self._config, self._judge, self._motion)
         for frame in self._track_forward(frames, first_track_id):
             mending.add(frame)
             while mending.is_ready():
@@ -68,7 +78,7 @@ class OfflineTracker:
 
     def _track_forward(self, frames: Iterable[DetectedFrame], first_track_id: int) -> Iterator[TrackedFrame]:
         new_ids = count(first_track_id)
-        live = LiveTracks(self._config, new_ids, weak_score=self._config.birth_score)
+        live = LiveTracks(self._config, new_ids, weak_score=self._config.birth_score, motion=self._motion)
         for frame, usable in with_usable_detections(
             frames, min_score=self._config.min_score, class_groups=self._class_groups
         ):
@@ -81,8 +91,9 @@ class OfflineTracker:
 class _Mending:
     """The window: frames that were given out and are still looked at, and those that wait."""
 
-    def __init__(self, config: TrackingConfig, judge: Judge) -> None:
+    def __init__(self, config: TrackingConfig, judge: Judge, motion: CameraMotion | None) -> None:
         self._config = config
+        self._motion = motion
         self._judge = judge
         self._look_ns = round(config.look_ahead_s * NS_PER_S)
         self._frames: list[TrackedFrame] = []
@@ -118,28 +129,33 @@ class _Mending:
     def _mend(self, window: Window, first_frame: int) -> _Mended:
         """The passes, in order. Frames before ``first_frame`` were given out: no detection there changes its track."""
         config = self._config
+        camera = None if self._motion is None else self._motion.at(window.timestamp_ns)
         window = window.with_tracks(self._current_ids(window.track_id))
         tracks = _Tracks.of(window)
-        paths = smooth(tracks.boxes, window.time_s, config)
+        motion = tracks.moved_by(camera)
+        paths = smooth(tracks.boxes, window.time_s, config, motion)
         if config.follow_back:
-            window = self._followed_back(window, tracks, paths, first_frame)
+            window = self._followed_back(window, tracks, paths, first_frame, motion)
             tracks = _Tracks.of(window)
-            paths = smooth(tracks.boxes, window.time_s, config)
-        before = find_continuations(paths, tracks.group, tracks.are_sure(window), window.time_s, config)
+            motion = tracks.moved_by(camera)
+            paths = smooth(tracks.boxes, window.time_s, config, motion)
+        before = find_continuations(paths, tracks.group, tracks.are_sure(window), window.time_s, config, motion)
         joined = np.flatnonzero(before != np.arange(len(before)))
         if len(joined):
             self._renamed.update(zip(tracks.ids[joined].tolist(), tracks.ids[before[joined]].tolist(), strict=True))
             window = window.with_tracks(self._current_ids(window.track_id))
-            tracks, paths = _joined(tracks, paths, before, window, config)
+            tracks, paths = _joined(tracks, paths, before, window, config, camera)
         return _Mended.of(window, tracks, paths, config, self._judge)
 
-    def _followed_back(self, window: Window, tracks: _Tracks, paths: Paths, first_frame: int) -> Window:
+    def _followed_back(
+        self, window: Window, tracks: _Tracks, paths: Paths, first_frame: int, motion: TracksMotion | None
+    ) -> Window:
         """Only sure tracks are followed; they may take what is left over and what weak tracks have."""
         sure = tracks.are_sure(window)
         free = np.where(window.is_weak, np.int32(NO_TRACK), window.track_id)
         of_sure = paths[sure[paths.track]]
         rows, track = extend_back(
-            window.with_tracks(free), of_sure, tracks.group, self._config, first_frame=first_frame
+            window.with_tracks(free), of_sure, tracks.group, self._config, first_frame=first_frame, motion=motion
         )
         track_id = window.track_id.copy()
         track_id[rows] = tracks.ids[track]
@@ -169,11 +185,12 @@ class _Mending:
 
 @dataclass(frozen=True, eq=False)
 class _Tracks:
-    """The tracks of a window by number: ``ids`` (T,), ``group`` (T,), their ``boxes``, and the ``rows`` (N,) of the
-    window that these are."""
+    """The tracks of a window by number: ``ids`` (T,), ``group`` (T,), ``class_id`` (T,) of the surest box of each,
+    their ``boxes``, and the ``rows`` (N,) of the window that these are."""
 
     ids: NDArray[np.int32]
     group: NDArray[np.int64]
+    class_id: NDArray[np.int16]
     boxes: TrackBoxes
     rows: NDArray[np.intp]
 
@@ -184,11 +201,19 @@ class _Tracks:
         ids, first, track = np.unique(window.track_id[rows], return_index=True, return_inverse=True)
         best = np.zeros(len(ids))
         np.maximum.at(best, track, window.score[rows])
+        score = window.score[rows]
+        class_id = np.empty(len(ids), np.int16)
+        is_best = np.flatnonzero(score == best[track])[::-1]
+        class_id[track[is_best]] = window.class_id[rows[is_best]]  # of equals the first
         noise = (best[track] / np.maximum(window.score[rows], _LEAST_SCORE)) ** _NOISE_POWER
         boxes = TrackBoxes(
             track.astype(np.int64), window.frame[rows], window.xyxy_px[rows], np.clip(noise, 1.0, _MOST_NOISE)
         )
-        return _Tracks(ids, window.group[rows][first], boxes, rows)
+        return _Tracks(ids, window.group[rows][first], class_id, boxes, rows)
+
+    def moved_by(self, camera: CameraMotion | None) -> TracksMotion | None:
+        """What a camera does to these tracks, None where that is not known."""
+        return None if camera is None else TracksMotion(camera, camera.usual_height_m[self.class_id])
 
     def are_sure(self, window: Window) -> NDArray[np.bool_]:
         """(T,) whether a track has a sure detection."""
@@ -198,7 +223,12 @@ class _Tracks:
 
 
 def _joined(
-    apart: _Tracks, paths: Paths, before: NDArray[np.int64], window: Window, config: TrackingConfig
+    apart: _Tracks,
+    paths: Paths,
+    before: NDArray[np.int64],
+    window: Window,
+    config: TrackingConfig,
+    camera: CameraMotion | None,
 ) -> tuple[_Tracks, Paths]:
     """The tracks of a window whose fragments have one name, and their paths: only where fragments were joined, each
     ``before`` (T,) another, is there a new path to find."""
@@ -210,7 +240,8 @@ def _joined(
     same = paths[~has_changed[paths.track]]
     is_new = np.zeros(len(tracks.ids), np.bool_)
     is_new[number[before[fragment]]] = True
-    again = smooth(tracks.boxes[is_new[tracks.boxes.track]], window.time_s, config)
+    of_new = tracks.boxes[is_new[tracks.boxes.track]]
+    again = smooth(of_new, window.time_s, config, tracks.moved_by(camera))
     return tracks, replace(same, track=number[same.track]).with_tracks_of(again)
 
 

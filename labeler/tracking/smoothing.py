@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labeler.tracking.box_filters import POSITION, SPEED, SPEED_VARIANCE, VARIANCE, BoxFilters
+from labeler.tracking.camera_motion import TracksMotion
 from labeler.tracking.config import TrackingConfig
 
 _Array = NDArray[np.float64]
@@ -53,9 +54,12 @@ class Paths:
         """(R, 4) boxes; a side is never shorter than a pixel."""
         return self.boxes_after(np.zeros(len(self.track)))
 
-    def boxes_after(self, dt_s: _Array) -> _Array:
-        """(R, 4) boxes where each row would be ``dt_s`` (R,) seconds later (before, where negative)."""
+    def boxes_after(self, dt_s: _Array, moved_px: _Array | None = None) -> _Array:
+        """(R, 4) boxes where each row would be ``dt_s`` (R,) seconds later (before, where negative); the camera moves
+        them by ``moved_px`` (4, R) until then."""
         position = self.position + dt_s[:, None] * self.speed
+        if moved_px is not None:
+            position += moved_px.T
         half = np.maximum(position[:, 2:], _MIN_SIDE_PX) / 2
         return np.concatenate([position[:, :2] - half, position[:, :2] + half], axis=1)
 
@@ -93,13 +97,14 @@ class TrackBoxes:
         return TrackBoxes(self.track[rows], self.frame[rows], self.xyxy_px[rows], self.noise[rows])
 
 
-def smooth(boxes: TrackBoxes, time_s: _Array, config: TrackingConfig) -> Paths:
-    """The paths of all tracks; ``time_s`` (F,) is the time of each frame, never falling."""
+def smooth(boxes: TrackBoxes, time_s: _Array, config: TrackingConfig, motion: TracksMotion | None = None) -> Paths:
+    """The paths of all tracks; ``time_s`` (F,) is the time of each frame, never falling. What the camera's ``motion``
+    does to them is known beforehand, where it is given; speeds are what is left then."""
     if len(boxes.track) == 0:
         none = np.zeros(0, np.int64)
         return Paths(none, none, *np.zeros((2, 0, 4)), *np.zeros((2, 0, 2)))
     plan = _Plan.of(boxes, time_s)
-    filtered, predicted = _filter(plan, boxes, config)
+    filtered, predicted = _filter(plan, boxes, config, motion)
     _smooth_back(plan, filtered, predicted, with_variances=config.follow_back)
     of_path = filtered.take(plan.row_of_path, axis=1)
     return Paths(
@@ -118,14 +123,15 @@ class _Plan:
 
     ``track`` and ``frame`` (R,) are those of the paths: by track, then frame. The filters work on rows by step, which
     is how many frames the track has been there for, then by track, the longest first: so those that go on are the first
-    of each step. ``row_of_path`` (R,) leads from paths to these rows, ``start`` (S + 1,) is where each step's begin,
-    ``dt_s`` (R,) the time since the track's row of the step before, 0 in the first. ``box_row`` (N,) is the row of each
-    box.
+    of each step. ``row_of_path`` (R,) leads from paths to these rows and ``path_of_row`` (R,) back, ``start`` (S + 1,)
+    is where each step's begin, ``dt_s`` (R,) the time since the track's row of the step before, 0 in the first.
+    ``box_row`` (N,) is the row of each box.
     """
 
     track: NDArray[np.int64]
     frame: NDArray[np.int64]
     row_of_path: NDArray[np.intp]
+    path_of_row: NDArray[np.intp]
     start: NDArray[np.intp]
     dt_s: _Array
     box_row: NDArray[np.intp]
@@ -147,18 +153,23 @@ class _Plan:
         steps_s = np.diff(time_s, prepend=time_s[:1]).round(12)  # an even rate gives equal steps
         dt_s = np.empty(len(number))
         dt_s[row_of_path] = np.where(step > 0, steps_s[frame], 0.0)
+        path_of_row = np.empty(len(number), np.intp)
+        path_of_row[row_of_path] = np.arange(len(number))
         own = np.repeat(np.arange(len(starts)), stops - starts)
         return _Plan(
             track=boxes.track[starts][number],
             frame=frame,
             row_of_path=row_of_path,
+            path_of_row=path_of_row,
             start=start,
             dt_s=dt_s,
             box_row=start[boxes.frame - first[own]] + place_of[own],
         )
 
 
-def _filter(plan: _Plan, boxes: TrackBoxes, config: TrackingConfig) -> tuple[_Array, _Array]:
+def _filter(
+    plan: _Plan, boxes: TrackBoxes, config: TrackingConfig, motion: TracksMotion | None
+) -> tuple[_Array, _Array]:
     """(14, R) states of the filters after the box of each row, and (14, R) as predicted before it."""
     filters = BoxFilters(
         replace(
@@ -181,6 +192,9 @@ def _filter(plan: _Plan, boxes: TrackBoxes, config: TrackingConfig) -> tuple[_Ar
         begin, end = start[step], start[step + 1]
         filters.keep_first(end - begin)
         dt_s = plan.dt_s[begin:end]
+        if motion is not None:
+            path = plan.path_of_row[begin:end]
+            filters.move(motion.into_frame(filters.state[POSITION], plan.track[path], plan.frame[path]))
         if is_even:
             filters.predict(float(dt_s[0]))
         else:

@@ -2,6 +2,7 @@
 
 The two paths are carried on to the middle of the gap, one forward, one backward, and must meet there: their boxes have
 to overlap, which asks for the same place, speed and size. Each end takes one beginning, those that meet best together.
+Where the camera's motion is known, both are seen as from the frame that is next to the middle.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from labeler.tracking.camera_motion import TracksMotion
 from labeler.tracking.config import TrackingConfig
 from labeler.tracking.pairing import Candidates, pair_off, ranges_of
 from labeler.tracking.smoothing import Paths
@@ -20,6 +22,7 @@ def find_continuations(
     may_join: NDArray[np.bool_],
     time_s: NDArray[np.float64],
     config: TrackingConfig,
+    motion: TracksMotion | None = None,
 ) -> NDArray[np.int64]:
     """(T,) for each track the one that it goes on from, itself where none; chains end at the earliest fragment.
 
@@ -39,7 +42,15 @@ def find_continuations(
         same = group[a] == group[b]
         a, b = a[same], b[same]
         half_gap_s = (begin_s[b] - end_s[a]) / 2
-        meeting = overlap_of_rows(paths[last[a]].boxes_after(half_gap_s), paths[first[b]].boxes_after(-half_gap_s))
+        ends, begins = paths[last[a]], paths[first[b]]
+        forward_px = backward_px = None
+        if motion is not None:
+            middle = np.searchsorted(time_s, (begin_s[b] + end_s[a]) / 2)
+            forward_px = motion.between(ends.position.T, ends.track, ends.frame, middle)
+            backward_px = motion.between(begins.position.T, begins.track, begins.frame, middle)
+        meeting = overlap_of_rows(
+            ends.boxes_after(half_gap_s, forward_px), begins.boxes_after(-half_gap_s, backward_px)
+        )
         close = meeting >= config.min_iou_stitch
         found.append(Candidates(a[close], b[close], meeting[close]))
     if not found:

@@ -17,7 +17,8 @@ from itertools import count
 import numpy as np
 from numpy.typing import NDArray
 
-from labeler.tracking.box_filters import BoxFilters
+from labeler.tracking.box_filters import POSITION, BoxFilters
+from labeler.tracking.camera_motion import CameraMotion
 from labeler.tracking.config import TrackingConfig
 from labeler.tracking.frames import NS_PER_S, Usable, with_usable_detections
 from labeler.tracking.pairing import overlapping, pair_in_turn
@@ -25,20 +26,24 @@ from labeler.tracking.types import DetectedFrame, Observations
 
 _Rows = NDArray[np.intp]
 
-_TRACK_ID, _GROUP, _LAST_SEEN_NS, _IS_WEAK = range(4)
-_FACTS = 4
+_TRACK_ID, _CLASS_ID, _GROUP, _LAST_SEEN_NS, _IS_WEAK = range(5)
+_FACTS = 5
 """What is known of each live track besides its motion, a row each of one array: columns come and go together."""
 
 
 class TwoStageTracker:
     """Follows objects through the images of one camera; see the module for the method.
 
-    ``class_groups[class_id]`` is a number; a track holds only classes of one number. ``rejected_count`` counts
-    detections that could not be used: score or box not finite, or a box without area.
+    ``class_groups[class_id]`` is a number; a track holds only classes of one number. ``motion`` is the camera's, where
+    it is known. ``rejected_count`` counts detections that could not be used: score or box not finite, or a box without
+    area.
     """
 
-    def __init__(self, config: TrackingConfig, *, class_groups: Sequence[int]) -> None:
+    def __init__(
+        self, config: TrackingConfig, *, class_groups: Sequence[int], motion: CameraMotion | None = None
+    ) -> None:
         self._config = config
+        self._motion = motion
         self._class_groups = np.asarray(class_groups, np.int64)
         self.rejected_count = 0
 
@@ -48,7 +53,7 @@ class TwoStageTracker:
         Only live tracks and some frames are held in memory. Raises TrackingError where frames come out of order (equal
         timestamps are taken as no time passing) or a class id has no group.
         """
-        live = LiveTracks(self._config, count(first_track_id))
+        live = LiveTracks(self._config, count(first_track_id), motion=self._motion)
         for frame, usable in with_usable_detections(
             frames, min_score=self._config.min_score, class_groups=self._class_groups
         ):
@@ -60,16 +65,25 @@ class TwoStageTracker:
 
 
 class LiveTracks:
-    """The tracks that have not ended, as arrays over columns. ``new_ids`` names those that begin.
+    """The tracks that have not ended, as arrays over columns. ``new_ids`` names those that begin; where the camera's
+    ``motion`` is known, boxes are predicted by it.
 
     With ``weak_score``, what is left over forms tracks of its own, which a detection of at least that score begins.
     They never take a detection from the others, nor one that is sure.
     """
 
-    def __init__(self, config: TrackingConfig, new_ids: Iterator[int], *, weak_score: float = math.inf) -> None:
+    def __init__(
+        self,
+        config: TrackingConfig,
+        new_ids: Iterator[int],
+        *,
+        weak_score: float = math.inf,
+        motion: CameraMotion | None = None,
+    ) -> None:
         self._config = config
         self._new_ids = new_ids
         self._weak_score = weak_score
+        self._motion = motion
         self._now_ns = 0
         self._max_coast_ns = round(config.max_coast_s * NS_PER_S)
         self._filters = BoxFilters(config)
@@ -82,13 +96,17 @@ class LiveTracks:
             self._filters.keep(staying)
             self._known = self._known.compress(staying, axis=1)
         if len(self._filters):
+            if self._motion is not None:
+                step = self._motion.step(self._now_ns, timestamp_ns)
+                height_m = self._motion.usual_height_m[self._known[_CLASS_ID]]
+                self._filters.move(step.displacements(self._filters.state[POSITION], height_m))
             self._filters.predict((timestamp_ns - self._now_ns) / NS_PER_S)
         self._now_ns = timestamp_ns
 
     def feed(self, found: Usable) -> tuple[NDArray[np.int32], NDArray[np.bool_]]:
         """(N,) the track of each detection of the present moment, old or new, -1 for those that feed none; and (N,)
         whether it is left over: in no track, or in a weak one."""
-        _, xyxy_px, score, group, _ = found
+        _, xyxy_px, score, class_id, group, _ = found
         sure = score >= self._config.sure_score
         may_begin = sure | (score >= self._weak_score)
         column = np.full(len(score), -1, np.intp)
@@ -101,7 +119,7 @@ class LiveTracks:
         if len(born):
             born = born[np.argsort(~sure[born], kind="stable")]  # sure ones are numbered first
             column[born] = len(self._filters) + np.arange(len(born))
-            self._begin(xyxy_px[born], group[born], ~sure[born])
+            self._begin(xyxy_px[born], class_id[born], group[born], ~sure[born])
         fed = column >= 0
         track_id, left_over = np.full(len(score), -1, np.int32), np.ones(len(score), np.bool_)
         track_id[fed] = self._known[_TRACK_ID, column[fed]]
@@ -127,10 +145,17 @@ class LiveTracks:
         turn = 2 * of_weak + ~firm  # sure tracks before weak ones; in each, firm detections before the others
         return pair_in_turn(near[fits], turn[fits], a_count=len(self._filters), b_count=len(sure))
 
-    def _begin(self, xyxy_px: NDArray[np.float64], group: NDArray[np.int64], weak: NDArray[np.bool_]) -> None:
+    def _begin(
+        self,
+        xyxy_px: NDArray[np.float64],
+        class_id: NDArray[np.int16],
+        group: NDArray[np.int64],
+        weak: NDArray[np.bool_],
+    ) -> None:
         new = np.empty((_FACTS, len(group)), np.int64)
         new[_TRACK_ID] = np.fromiter(self._new_ids, np.int64, count=len(group))
-        new[_GROUP], new[_LAST_SEEN_NS], new[_IS_WEAK] = group, self._now_ns, weak
+        new[_CLASS_ID], new[_GROUP] = class_id, group
+        new[_LAST_SEEN_NS], new[_IS_WEAK] = self._now_ns, weak
         self._known = np.concatenate([self._known, new], axis=1)
         self._filters.add(self._filters.measure(xyxy_px))
 

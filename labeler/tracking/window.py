@@ -29,12 +29,13 @@ class TrackedFrame:
 class Window:
     """F frames and their D usable detections, in order of frames.
 
-    ``time_s`` (F,) counts from the first frame, ``frame_index`` (F,) is each frame's in the drive, ``start`` (F + 1,)
-    is where each frame's detections begin. Of each detection: ``frame`` (D,) in the window, ``row`` (D,) in its frame,
-    ``xyxy_px`` (D, 4) float64, ``score`` (D,), ``class_id`` (D,), ``group`` (D,), ``track_id`` (D,) or NO_TRACK, and
-    ``is_weak`` (D,): left over from the sure tracks.
+    ``timestamp_ns`` (F,) are their times, ``time_s`` (F,) counts from the first frame, ``frame_index`` (F,) is each
+    frame's in the drive, ``start`` (F + 1,) is where each frame's detections begin. Of each detection: ``frame`` (D,)
+    in the window, ``row`` (D,) in its frame, ``xyxy_px`` (D, 4) float64, ``score`` (D,), ``class_id`` (D,), ``group``
+    (D,), ``track_id`` (D,) or NO_TRACK, and ``is_weak`` (D,): left over from the sure tracks.
     """
 
+    timestamp_ns: NDArray[np.int64]
     time_s: NDArray[np.float64]
     frame_index: NDArray[np.int32]
     start: NDArray[np.intp]
@@ -50,16 +51,17 @@ class Window:
     @staticmethod
     def of(frames: Sequence[TrackedFrame]) -> Window:
         counts = np.array([len(one.usable.rows) for one in frames], np.intp)
-        first_ns = frames[0].frame.timestamp_ns
+        timestamp_ns = np.array([one.frame.timestamp_ns for one in frames], np.int64)
         return Window(
-            time_s=np.array([one.frame.timestamp_ns - first_ns for one in frames], np.float64) / NS_PER_S,
+            timestamp_ns=timestamp_ns,
+            time_s=(timestamp_ns - timestamp_ns[0]) / NS_PER_S,
             frame_index=np.array([one.frame.frame_index for one in frames], np.int32),
             start=np.concatenate([np.zeros(1, np.intp), np.cumsum(counts)]),
             frame=np.repeat(np.arange(len(frames)), counts),
             row=np.concatenate([one.usable.rows for one in frames]),
             xyxy_px=np.concatenate([one.usable.xyxy_px for one in frames]),
             score=np.concatenate([one.usable.score for one in frames]).astype(np.float64),
-            class_id=np.concatenate([one.frame.detections.class_id[one.usable.rows] for one in frames]),
+            class_id=np.concatenate([one.usable.class_id for one in frames]),
             group=np.concatenate([one.usable.group for one in frames]),
             track_id=np.concatenate([one.track_id for one in frames]),
             is_weak=np.concatenate([one.is_weak for one in frames]),

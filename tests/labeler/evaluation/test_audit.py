@@ -43,7 +43,9 @@ def made_files(folder: Path, method: str, *, far_class: tuple[int, ...] = (CAR,)
     detections, tracks = folder / "detections.arrow", folder / "tracks.arrow"
     write_table(detections, [columns], note=note)
     tracking = TrackingConfig(method=method)
-    track_detections(read_detections([detections]), tracks, tracking, class_groups=(0, 0), first_track_id=1)
+    track_detections(
+        read_detections([detections]), tracks, tracking, class_groups=(0, 0), first_track_id=1, motion=None
+    )
     return ResultFiles(
         detections={"front": (detections,)},
         tracks={"front": tracks},

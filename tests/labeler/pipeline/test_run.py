@@ -5,6 +5,8 @@ import shutil
 from pathlib import Path
 
 import numpy as np
+import pyarrow
+import pyarrow.feather
 import pytest
 
 from labeler.drive import open_drive
@@ -158,6 +160,29 @@ def test_a_changed_setting_does_again_only_what_follows(made_drive: Path, made_m
         "labels": 2,
     }
     assert second.key != first.key
+
+
+_WITHOUT_MOTION = tuple(
+    LabelSettings(tracking=one) for one in (TrackingConfig(ego_motion="none"), TrackingConfig(method="baseline"))
+)
+
+
+def test_the_cars_motion_takes_part_in_tracking_unless_it_is_not_asked_for(
+    made_drive: Path, made_model: Path, tmp_path: Path
+) -> None:
+    """Mended poses track again, but not for a tracker that takes none of them."""
+    folder = tmp_path / "drive"
+    shutil.copytree(made_drive, folder)
+    for settings in (LabelSettings(), *_WITHOUT_MOTION):
+        _label(folder, made_model, tmp_path / "workspace", settings=settings)
+    poses = pyarrow.feather.read_table(folder / "city_SE3_egovehicle.feather")
+    east_m = pyarrow.array(np.arange(poses.num_rows) * 0.1)
+    poses = poses.set_column(poses.column_names.index("tx_m"), "tx_m", east_m)
+    pyarrow.feather.write_feather(poses, folder / "city_SE3_egovehicle.feather")
+    for settings, cameras in ((LabelSettings(), 2), *((one, 0) for one in _WITHOUT_MOTION)):
+        again = _Recorder()
+        _label(folder, made_model, tmp_path / "workspace", settings=settings, progress=again)
+        assert again.units["track"] == cameras
 
 
 @pytest.mark.parametrize("stop_after", [1, 13, 24, 26, 28])

@@ -15,6 +15,7 @@ from labeler.tracking import TrackingConfig, TrackingError
         ({"min_iou": 1.5}, "min_iou"),  # nothing overlaps that much
         ({"max_coast_s": -1.0}, "max_coast_s"),
         ({"speed_change_std_sizes": float("nan")}, "speed_change_std_sizes"),
+        ({"ego_motion": "half"}, "half"),
         ({"measurement_std_sizes": 0.0}, "measurement_std_sizes"),  # the filter could not be inverted
     ],
 )
