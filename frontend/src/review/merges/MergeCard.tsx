@@ -3,13 +3,11 @@ import { IconAlertTriangle, IconArrowBackUp, IconCheck, IconX } from "@tabler/ic
 import type { Merge } from "../../api/types";
 import { metres, score, sentence } from "../../app/format";
 import { text } from "../../strings";
-import { Crop } from "../cameras/Crop";
-import { identityColour } from "../cameras/palette";
 import { Key } from "../keys/Key";
-import { chance, shortChance } from "../queue/evidenceWords";
-import { useObservationsAt } from "../useObservationsAt";
+import { chance, measures, shortChance } from "../queue/evidenceWords";
 import classes from "./MergeCard.module.css";
-import { bestFrame } from "./order";
+import { MergeSides, SideName } from "./MergeSides";
+import { sharedFrame } from "./order";
 import { type Decision, useRefusals } from "./useDecisions";
 
 interface MergeCardProps {
@@ -23,6 +21,7 @@ interface MergeCardProps {
 
 const SMALL = { width: 84, height: 63 };
 const PANEL_SPACE_PX = 56;
+const MOST_MEASURES = 3;
 
 /** One claim that two tracks are one object: both looks side by side, the evidence, and the decision. */
 export function MergeCard({ merge, open, onOpen, onDecide, width }: MergeCardProps) {
@@ -32,11 +31,11 @@ export function MergeCard({ merge, open, onOpen, onDecide, width }: MergeCardPro
   return (
     <article className={classes.card} data-open={open || undefined}>
       <button type="button" className={classes.face} onClick={onOpen} aria-expanded={open}>
-        <Sides merge={merge} size={size} />
+        <MergeSides merge={merge} size={size} open={open} />
         {!open && (
           <span className={classes.summary}>
-            <Side id={merge.identity_a} camera={merge.camera_a} />
-            <Side id={merge.identity_b} camera={merge.camera_b} />
+            <SideName id={merge.identity_a} camera={merge.camera_a} />
+            <SideName id={merge.identity_b} camera={merge.camera_b} />
             <span className={classes.quiet}>
               {chance(merge).value} · {text.merges.labels(merge.label_count)}
             </span>
@@ -51,17 +50,7 @@ export function MergeCard({ merge, open, onOpen, onDecide, width }: MergeCardPro
             ) : (
               <Fact name={text.merges.chance} value={shortChance(merge)} hint={text.merges.chanceHint} />
             )}
-            <Fact
-              name={text.merges.agreeing}
-              value={`${merge.agreeing_frames} / ${merge.shared_frames}`}
-              hint={text.merges.agreeingHint}
-            />
-            <Fact name={text.merges.distance} value={metres(merge.mean_distance_m)} hint={text.merges.distanceHint} />
-            <Fact
-              name={text.merges.overlap}
-              value={merge.mean_bev_iou == null ? text.merges.noEvidence : score(merge.mean_bev_iou)}
-              hint={text.merges.overlapHint}
-            />
+            {sharedFrame(merge) === null ? <ApartFacts merge={merge} /> : <TogetherFacts merge={merge} />}
           </dl>
           <Text size="sm">
             {sentence(merge.reason)}{" "}
@@ -89,6 +78,32 @@ export function MergeCard({ merge, open, onOpen, onDecide, width }: MergeCardPro
       )}
     </article>
   );
+}
+
+/** What was measured of tracks that are seen at the same time. */
+function TogetherFacts({ merge }: { merge: Merge }) {
+  return (
+    <>
+      <Fact
+        name={text.merges.agreeing}
+        value={`${merge.agreeing_frames} / ${merge.shared_frames}`}
+        hint={text.merges.agreeingHint}
+      />
+      <Fact name={text.merges.distance} value={metres(merge.mean_distance_m)} hint={text.merges.distanceHint} />
+      <Fact
+        name={text.merges.overlap}
+        value={merge.mean_bev_iou == null ? text.merges.noEvidence : score(merge.mean_bev_iou)}
+        hint={text.merges.overlapHint}
+      />
+    </>
+  );
+}
+
+/** What says most of tracks that are never seen at the same time. */
+function ApartFacts({ merge }: { merge: Merge }) {
+  return measures(merge)
+    .slice(0, MOST_MEASURES)
+    .map(({ name, value, meaning }) => <Fact key={name} name={name.toLowerCase()} value={value} hint={meaning} />);
 }
 
 function Decide({ merge, onDecide }: { merge: Merge; onDecide: (decision: Decision) => void }) {
@@ -148,53 +163,5 @@ function Fact({ name, value, hint }: { name: string; value: string; hint: string
         <dd>{value}</dd>
       </div>
     </Tooltip>
-  );
-}
-
-function Side({ id, camera }: { id: number; camera: string }) {
-  return (
-    <span className={classes.side}>
-      <span className={classes.swatch} style={{ background: identityColour(id) }} />
-      <span className={classes.camera}>{camera}</span>
-    </span>
-  );
-}
-
-function Sides({ merge, size }: { merge: Merge; size: { width: number; height: number } }) {
-  const frame = bestFrame(merge);
-  const observations = useObservationsAt(frame);
-  const sides = [
-    { key: "a", track: merge.track_a, camera: merge.camera_a, identity: merge.identity_a },
-    { key: "b", track: merge.track_b, camera: merge.camera_b, identity: merge.identity_b },
-  ];
-  const small = size.width === SMALL.width;
-  return (
-    <span className={classes.sides}>
-      {sides.map(({ key, track, camera, identity }) => (
-        <span key={key} className={classes.look} style={{ width: size.width }}>
-          <Crop
-            frame={frame ?? 0}
-            camera={camera}
-            box={
-              frame === null ? null : observations && (observations.find((one) => one.track_id === track)?.box ?? null)
-            }
-            identityId={identity}
-            width={size.width}
-            height={size.height}
-            emptyText={text.merges.noCrop}
-            alt={`${camera}, ${text.merges.track(track)}`}
-          />
-          {!small && (
-            <span className={classes.under}>
-              <Side id={identity} camera={camera} />
-              <span className={classes.quiet}>
-                #{identity}
-                {frame !== null && `, ${text.merges.atFrame(frame)}`}
-              </span>
-            </span>
-          )}
-        </span>
-      ))}
-    </span>
   );
 }

@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import type { Merge } from "../../api/types";
-import { afterDecision, mergesOf, stepMerge } from "./order";
+import { afterDecision, bestFrame, mergesOf, stepMerge } from "./order";
 
 const merge = (id: number, priority: number, state: Merge["state"] = "proposed") => ({ id, priority, state }) as Merge;
 
@@ -28,6 +28,19 @@ describe("the queue of merges", () => {
     ["the one before, at the end", 3, 2],
   ])("opens %s after a decision", (_, decided, id) => {
     expect(afterDecision(queue, decided)?.id).toBe(id);
+  });
+
+  it.each([
+    ["the frame that speaks most for it", { best_frames: [{ frame_index: 7 }, { frame_index: 3 }] }, 7],
+    [
+      "the end of the first, where they follow one another",
+      { best_frames: [], evidence: { gap_frames: [12, 19] } },
+      12,
+    ],
+    ["no frame where nothing was measured", { best_frames: [], evidence: null }, null],
+    ["no frame where both are seen but nothing agrees", { best_frames: [], evidence: { gap_frames: null } }, null],
+  ])("goes to %s", (_, one, frame) => {
+    expect(bestFrame(one as unknown as Merge)).toBe(frame);
   });
 
   it("ends with nothing after the last decision", () => {

@@ -32,6 +32,11 @@ export function afterDecision(list: readonly Merge[], decidedId: number): Merge 
 }
 
 /** The frame at which the evidence is best; null if no frame holds both. */
-export function bestFrame(merge: Merge): number | null {
+export function sharedFrame(merge: Merge): number | null {
   return merge.best_frames[0]?.frame_index ?? null;
+}
+
+/** The frame that shows most of a merge: the shared one, else the last of the track that ends before the other begins. */
+export function bestFrame(merge: Merge): number | null {
+  return sharedFrame(merge) ?? merge.evidence?.gap_frames?.[0] ?? null;
 }
