@@ -2,6 +2,7 @@ import { ActionIcon, Group, Tooltip, useComputedColorScheme, useMantineColorSche
 import { IconMoon, IconSun } from "@tabler/icons-react";
 import type { ReactNode } from "react";
 import { Link } from "wouter";
+import icon from "../favicon.svg";
 import { text } from "../strings";
 import classes from "./Header.module.css";
 
@@ -10,7 +11,7 @@ export function Header({ children, actions }: { children?: ReactNode; actions?: 
   return (
     <header className={classes.header}>
       <Link href="/" className={classes.home} aria-label={`${text.app.name}, ${text.app.drives}`}>
-        <img src="/favicon.svg" width={24} height={24} alt="" />
+        <img src={icon} width={24} height={24} alt="" />
         <span className={classes.name}>{text.app.name}</span>
       </Link>
       <div className={classes.place}>{children}</div>

@@ -38,10 +38,10 @@ export const merges = {
   failed: "The decision could not be saved",
   noCrop: "No box here",
   atFrame: (i: number) => `frame ${i + 1}`,
-  bestAt: (i: number) => `best look, frame ${i + 1}`,
-  gap: (time: string) => `Never seen at once: ${time} between the one and the other`,
-  lastSeen: (time: string) => `last seen at ${time}`,
-  firstSeen: (time: string) => `first seen at ${time}`,
+  bestAt: (i: number) => `best in frame ${i + 1}`,
+  gap: (time: string) => `Never seen at once: ${time} in between`,
+  lastSeen: (time: string) => `last seen ${time}`,
+  firstSeen: (time: string) => `first seen ${time}`,
   noEvidence: "not measured",
 } as const;
 

@@ -14,10 +14,12 @@ interface CropProps {
   height: number;
   emptyText: string;
   alt: string;
+  /** Fetched before others. */
+  first?: boolean;
 }
 
 /** A box cut out of its original picture, with some surroundings. */
-export function Crop({ frame, camera, box, identityId, width, height, emptyText, alt }: CropProps) {
+export function Crop({ frame, camera, box, identityId, width, height, emptyText, alt, first }: CropProps) {
   const { crops, drive } = useShared();
   const canvas = useRef<HTMLCanvasElement>(null);
   const [failed, setFailed] = useState(false);
@@ -29,7 +31,7 @@ export function Crop({ frame, camera, box, identityId, width, height, emptyText,
     let stale = false;
     setFailed(false);
     const window_ = cropWindow([x1, y1, x2, y2], { width: source.width_px, height: source.height_px }, width / height);
-    crops.get(frame, camera, window_).then(
+    crops.get(frame, camera, window_, first).then(
       (picture) => {
         const ctx = canvas.current?.getContext("2d");
         if (stale || !ctx || !canvas.current) return;
@@ -55,7 +57,7 @@ export function Crop({ frame, camera, box, identityId, width, height, emptyText,
     return () => {
       stale = true;
     };
-  }, [crops, source, frame, camera, x1, y1, x2, y2, identityId, width, height]);
+  }, [crops, source, frame, camera, x1, y1, x2, y2, identityId, width, height, first]);
 
   return (
     <div className={classes.crop} style={{ width, height }}>

@@ -36,28 +36,34 @@ export function pictureWidth(devicePx: number, originalPx: number): number | und
   return width === undefined || width * WORTH_SHRINKING > originalPx ? undefined : width;
 }
 
-/** Cut-outs of original pictures, a few at a time, the newest asked for first. */
+/** Cut-outs of original pictures, a few at a time: what is asked for at once in its order, the newest of that first. */
 export class CropStore {
   private readonly crops = new LeastRecentlyUsed<string, Promise<ImageBitmap | null>>(CROPS_KEPT);
-  private readonly queue: (() => Promise<void>)[] = [];
+  private readonly first: (() => Promise<void>)[] = [];
+  private readonly waiting: (() => Promise<void>)[][] = [];
+  /** What is being asked for at once. */
+  private together: (() => Promise<void>)[] | null = null;
   private running = 0;
 
   constructor(private readonly driveId: number) {}
 
-  get(frame: number, camera: string, window: Window): Promise<ImageBitmap | null> {
+  /** `first`: before all others. */
+  get(frame: number, camera: string, window: Window, first = false): Promise<ImageBitmap | null> {
     const rect = [window.x, window.y, window.width, window.height].map(Math.round) as [number, number, number, number];
     const key = `${frame}/${camera}/${rect.join()}`;
     const known = this.crops.get(key);
     if (known) return known;
     const crop = new Promise<ImageBitmap | null>((resolve, reject) => {
-      this.queue.push(async () => {
+      const job = async () => {
         try {
           const blob = await fetchPicture(imageUrl(this.driveId, frame, camera));
           resolve(blob && (await createImageBitmap(blob, ...rect)));
         } catch (cause) {
           reject(cause);
         }
-      });
+      };
+      if (first) this.first.push(job);
+      else this.enqueue(job);
     });
     this.crops.set(key, crop);
     crop.catch(() => this.crops.clear());
@@ -65,9 +71,21 @@ export class CropStore {
     return crop;
   }
 
+  private enqueue(job: () => Promise<void>): void {
+    if (this.together === null || this.waiting.at(-1) !== this.together) {
+      this.together = [];
+      this.waiting.push(this.together);
+      queueMicrotask(() => {
+        this.together = null;
+      });
+    }
+    this.together.push(job);
+  }
+
   private pump(): void {
     while (this.running < CROPS_AT_ONCE) {
-      const job = this.queue.pop();
+      while (this.waiting.length > 0 && this.waiting.at(-1)?.length === 0) this.waiting.pop();
+      const job = this.first.shift() ?? this.waiting.at(-1)?.shift();
       if (!job) return;
       this.running += 1;
       void job().finally(() => {

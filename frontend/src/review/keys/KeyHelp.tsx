@@ -25,7 +25,7 @@ export function KeyHelp({ opened, onClose }: { opened: boolean; onClose: () => v
       opened={opened}
       onClose={close}
       title={text.keys.title}
-      size={860}
+      size={1180}
       centered
       closeOnEscape={change === null}
       styles={{ title: { fontWeight: 620 } }}

@@ -22,6 +22,8 @@ interface MergeCardProps {
 const SMALL = { width: 84, height: 63 };
 const PANEL_SPACE_PX = 56;
 const MOST_MEASURES = 3;
+/** For one object, against it, or neither. */
+const MARKS = { 1: "+ ", [-1]: "− ", 0: "" };
 
 /** One claim that two tracks are one object: both looks side by side, the evidence, and the decision. */
 export function MergeCard({ merge, open, onOpen, onDecide, width }: MergeCardProps) {
@@ -103,7 +105,9 @@ function TogetherFacts({ merge }: { merge: Merge }) {
 function ApartFacts({ merge }: { merge: Merge }) {
   return measures(merge)
     .slice(0, MOST_MEASURES)
-    .map(({ name, value, meaning }) => <Fact key={name} name={name.toLowerCase()} value={value} hint={meaning} />);
+    .map(({ name, value, meaning, speaks }) => (
+      <Fact key={name} name={`${MARKS[speaks]}${name.toLowerCase()}`} value={value} hint={meaning} />
+    ));
 }
 
 function Decide({ merge, onDecide }: { merge: Merge; onDecide: (decision: Decision) => void }) {

@@ -43,6 +43,7 @@ function Together({ merge, size, open, frame }: SidesProps & { frame: number }) 
           frame={frame}
           box={boxOf(side.track)}
           under={open && text.merges.atFrame(frame)}
+          first={open}
         />
       ))}
     </span>
@@ -56,7 +57,8 @@ function Apart({ merge, size, open }: SidesProps) {
   const sides = sidesOf(merge);
   const nearest = looks?.moments[0]?.looks;
   const times = nearest?.map((look) => drive.frame_times_ms[look.frame_index] ?? 0);
-  const row = (shown: readonly (Look | undefined)[] | undefined, under: (look: Look, at: number) => string) => (
+  const [a = 0, b = 0] = times ?? [];
+  const row = (shown: readonly (Look | undefined)[] | undefined, height: number, under: (at: number) => string) => (
     <span className={classes.sides}>
       {sides.map((side, at) => {
         const look = shown?.[at];
@@ -64,32 +66,32 @@ function Apart({ merge, size, open }: SidesProps) {
           <Picture
             key={side.track}
             side={side}
-            size={size}
+            size={{ width: size.width, height }}
             frame={look?.frame_index ?? 0}
             box={look ? look.box : isError ? null : undefined}
-            under={open && (look ? under(look, at) : "")}
+            under={open && (look ? under(at) : "")}
+            named={shown !== nearest}
+            first={open}
           />
         );
       })}
     </span>
   );
-  const best = row(
-    looks?.sides.map((side) => side.best),
-    (look) => text.merges.bestAt(look.frame_index),
-  );
-  if (!open) return best;
-  const [a = 0, b = 0] = times ?? [];
+  const best = looks?.sides.map((side) => side.best);
+  const atBest = (at: number) => (best?.[at] ? text.merges.bestAt(best[at].frame_index) : "");
+  if (!open) return row(best, size.height, atBest);
+  const seenAt = (at: number) => {
+    const time = clock((at === 0 ? a : b) - (drive.frame_times_ms[0] ?? 0));
+    if (a === b) return time;
+    return (at === 0) === a < b ? text.merges.lastSeen(time) : text.merges.firstSeen(time);
+  };
   return (
     <span className={classes.apart}>
-      {best}
+      {row(best, Math.round(size.width * 0.5), atBest)}
       <span className={classes.gap}>
         {nearest && (a === b ? text.queue.sameMoment : text.merges.gap(duration(Math.abs(b - a))))}
       </span>
-      {row(nearest, (_, at) => {
-        const time = clock((at === 0 ? a : b) - (drive.frame_times_ms[0] ?? 0));
-        if (a === b) return time;
-        return (at === 0) === a < b ? text.merges.lastSeen(time) : text.merges.firstSeen(time);
-      })}
+      {row(nearest, Math.round(size.width * 0.4), seenAt)}
     </span>
   );
 }
@@ -115,9 +117,13 @@ interface PictureProps {
   box: readonly number[] | null | undefined;
   /** What stands below the picture; nothing where it is false. */
   under: string | false;
+  /** Whether camera and identity are said below it too. */
+  named?: boolean;
+  /** Whether it is fetched before others. */
+  first: boolean;
 }
 
-function Picture({ side, size, frame, box, under }: PictureProps) {
+function Picture({ side, size, frame, box, under, named = true, first }: PictureProps) {
   return (
     <span className={classes.look} style={{ width: size.width }}>
       <Crop
@@ -129,13 +135,15 @@ function Picture({ side, size, frame, box, under }: PictureProps) {
         height={size.height}
         emptyText={text.merges.noCrop}
         alt={`${side.camera}, ${text.merges.track(side.track)}`}
+        first={first}
       />
       {under !== false && (
         <span className={classes.under}>
-          <SideName id={side.identity} camera={side.camera} />
+          {named && <SideName id={side.identity} camera={side.camera} />}
           <span className={classes.quiet}>
-            #{side.identity}
-            {under && `, ${under}`}
+            {named && `#${side.identity}`}
+            {named && under && ", "}
+            {under}
           </span>
         </span>
       )}

@@ -1,0 +1,6 @@
+/** Files that the build gives an address. */
+
+declare module "*.svg" {
+  const address: string;
+  export default address;
+}
