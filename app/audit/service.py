@@ -34,8 +34,8 @@ def audit_labelling(
     config: AuditConfig,
     progress: Progress,
 ) -> AuditResult:
-    """Audit one labelling of a drive, and keep what came out; HindsightError where its files are gone, or too few
-    observations would be hidden."""
+    """Audit one labelling of a drive, and keep what came out; HindsightError where its files are gone, or no
+    observation would be hidden."""
     files = find_files(settings.workspace, labelling.key)
     if files is None:
         raise HindsightError(

@@ -10,16 +10,22 @@ from rich.table import Table
 from app.audit.service import audit_labelling
 from app.commands.options import AsJson, DriveFolder, SceneName, WorkspaceFolder
 from app.commands.stored_labels import open_stored_labels
-from app.commands.terminal import TerminalProgress, show_table
+from app.commands.terminal import TerminalProgress, say, show_table
 from app.settings import Settings, load_settings
-from labeler.evaluation.audit import Agreement, Audit, AuditConfig, AuditRow
+from labeler.evaluation.audit import FEW_HIDDEN, Agreement, Audit, AuditConfig, AuditRow
 
 
 def audit(
     drive: DriveFolder,
     workspace: WorkspaceFolder = None,
     scene: SceneName = None,
-    share: Annotated[float, typer.Option(help="Which share of the confident observations to hide.")] = 0.05,
+    share: Annotated[
+        float | None,
+        typer.Option(
+            help="Which share of the confident observations to hide. (default: 0.05, of short drives up to 0.2)",
+            show_default=False,
+        ),
+    ] = None,
     confidence: Annotated[
         float, typer.Option(min=0, max=1, help="Observations with at least this score are confident.")
     ] = 0.8,
@@ -30,6 +36,11 @@ def audit(
     settings = load_settings(workspace=workspace)
     config = AuditConfig(share=share, confidence=confidence, seed=seed)
     found = audit_drive(settings, drive, scene=scene, config=config)
+    if found["hidden"] < FEW_HIDDEN:
+        say(
+            f"Warning: only {found['hidden']} observations were hidden, so go by the intervals, not by the shares. To "
+            "know more, hide a larger share, or ask for less confidence."
+        )
     if as_json:
         typer.echo(json.dumps(found))
     else:

@@ -5,6 +5,7 @@ import tempfile
 import time
 from collections.abc import Mapping
 from dataclasses import asdict, replace
+from itertools import chain
 from pathlib import Path
 from typing import Annotated
 
@@ -13,18 +14,21 @@ from rich.table import Table
 
 from app.commands.evaluate import evaluate_drive, share
 from app.commands.label import label_settings, store_labels
-from app.commands.options import AsJson, DriveFolder, InputSize, ModelName, SceneName
+from app.commands.options import AsJson, DriveFolder, InputSize, ModelName, SceneName, WorkspaceFolder
 from app.commands.terminal import TerminalProgress, say, show_table
 from app.model_choice import chosen_detector, segmentation_file
 from app.settings import Settings, load_settings
-from labeler.detection import open_detector
+from labeler.detection import DetectionConfig, open_detector
 from labeler.drive import open_drive, open_truth
+from labeler.errors import HindsightError
 from labeler.evaluation.benchmark_merges import MergeBenchmark, benchmark_merges
 from labeler.evaluation.boxes_3d import BoxReport
 from labeler.evaluation.boxes_3d_cases import Seen, find_boxes, judge_makers
+from labeler.evaluation.drive_sequences import sequences_of_drive
 from labeler.evaluation.label_benchmark import benchmark_labels
 from labeler.evaluation.made_observations import Noise, scene_of
 from labeler.evaluation.made_up import MadeUp, made_up_labels, write_made_up_drive
+from labeler.evaluation.text_sequences import read_sequences
 from labeler.evaluation.tracker_benchmark import OBJECTS, TrackerTimes, benchmark_trackers
 from labeler.evaluation.types import EvaluationConfig
 from labeler.lidar import LidarConfig
@@ -189,25 +193,66 @@ def evaluate(
 @benchmark.command()
 def labels(
     root: Annotated[
-        Path,
+        Path | None,
         typer.Option(help="Folder with label_02, calib and det_* of KITTI tracking sequences.", show_default=False),
-    ],
+    ] = None,
+    drives: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "--drive",
+            help="Instead: a drive with true boxes in its images, which a model sees; may be given several times. Adds "
+            "rows with less of the car's own motion.",
+            show_default=False,
+        ),
+    ] = None,
+    model: ModelName = None,
+    cameras: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--camera", help="Of drives, this camera; may be given several times. (default: all)", show_default=False
+        ),
+    ] = None,
+    every: Annotated[int, typer.Option(min=1, help="Of drives, every so-manieth frame.")] = 1,
+    workspace: WorkspaceFolder = None,
     detections: Annotated[
         str | None, typer.Option(help="Name of the folder of detections. (default: the only one)", show_default=False)
     ] = None,
     passes: Annotated[bool, typer.Option("--passes", help="Add a row for each pass, to show what it adds.")] = False,
     as_json: AsJson = False,
 ) -> None:
-    """Compare labels without tracking, by the paper's method and by ours, on recorded detections with truth."""
-    rows = benchmark_labels(root, detections=detections, passes=passes)
+    """Compare labels without tracking, by the paper's method and by ours, on recorded detections or drives with
+    truth."""
+    if (root is None) == (not drives):
+        raise HindsightError("Name a folder of recorded detections (--root), or one or more drives (--drive).")
+    config = EvaluationConfig()
+    with TerminalProgress() as progress:
+        if root is not None:
+            sequences = read_sequences(root, detections=detections, config=config)
+        else:
+            settings = load_settings(model=model, workspace=workspace)
+            sequences = chain.from_iterable(
+                sequences_of_drive(
+                    open_drive(folder),
+                    model=chosen_detector(settings).path,
+                    workspace=settings.workspace,
+                    detection=DetectionConfig(),
+                    config=config,
+                    progress=progress,
+                    cameras=cameras or (),
+                    every=every,
+                )
+                for folder in drives or ()
+            )
+        rows = benchmark_labels(sequences, passes=passes, ego_motions=root is None, config=config)
     if as_json:
         typer.echo(json.dumps({"rows": rows}))
         return
-    titles = ("P@.25", "R@.25", "R>40m", "P@.5", "R@.5", "HOTA", "MOTA", "IDF1")
-    say(f"{'labels':20} " + " ".join(f"{title:>6}" for title in titles))
+    titles = ("P@.25", "R@.25", "R>40m", "P@.5", "R@.5", "HOTA", "MOTA", "IDF1", "IDs/object")
+    say(f"{'labels':22} " + " ".join(f"{title:>6}" for title in titles))
     for row in rows:
         shares = (row["p25"], row["r25"], row["r25_far"], row["p50"], row["r50"], row["hota"], row["mota"], row["idf1"])
-        say(f"{row['method']:20} " + " ".join(f"{'-':>6}" if one is None else f"{one:6.3f}" for one in shares))
+        figures = (*shares, row["identities_per_object"])
+        say(f"{row['method']:22} " + " ".join(f"{'-':>6}" if one is None else f"{one:6.3f}" for one in figures))
 
 
 @benchmark.command()

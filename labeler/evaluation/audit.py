@@ -45,8 +45,13 @@ from labeler.pipeline.units import (
 from labeler.tracking import NO_DETECTION, DetectedFrame, Observations
 
 MIN_IOU = 0.5
-LEAST_HIDDEN = 20
-"""With fewer hidden observations the answer would be anybody's guess."""
+USUAL_SHARE, LARGEST_USUAL_SHARE = 0.05, 0.2
+"""How much is hidden unless told otherwise; of a short drive more, but never so much that tracking becomes another."""
+
+FEW_HIDDEN = 20
+"""With fewer hidden observations the intervals are so wide that hardly anything is known."""
+
+_AIMED_HIDDEN = 40
 
 DISTANCES_M = (0.0, 10.0, 20.0, 40.0, 60.0, 80.0, math.inf)
 HEIGHTS_PX = (0.0, 20.0, 40.0, 80.0, 160.0, math.inf)
@@ -58,14 +63,15 @@ Item = TypeVar("Item")
 
 @dataclass(frozen=True)
 class AuditConfig:
-    """``share`` of the observations whose score is at least ``confidence`` is hidden; who follows from ``seed``."""
+    """``share`` of the observations whose score is at least ``confidence`` is hidden; who follows from ``seed``. A
+    share of None is USUAL_SHARE, or, where that would be few observations, up to LARGEST_USUAL_SHARE."""
 
-    share: float = 0.05
+    share: float | None = None
     confidence: float = 0.8
     seed: int = 0
 
     def __post_init__(self) -> None:
-        if not 0 < self.share <= 0.5:
+        if self.share is not None and not 0 < self.share <= 0.5:
             raise EvaluationError(f"The share to hide must be above 0 and at most 0.5, got {self.share}.")
         if not 0 <= self.confidence <= 1:
             raise EvaluationError(f"The confidence must be from 0 to 1, got {self.confidence}.")
@@ -95,7 +101,8 @@ class AuditRow(TypedDict):
 
 
 class Audit(TypedDict):
-    """What ``hindsight audit --json`` prints. ``confident`` observations are those that could have been hidden."""
+    """What ``hindsight audit --json`` prints. ``confident`` observations are those that could have been hidden, and
+    ``share`` of them was to be."""
 
     drive: str
     share: float
@@ -115,43 +122,53 @@ def audit_labels(
 ) -> Audit:
     """Audit a result of the pipeline. The result itself is only read.
 
-    Raises EvaluationError where too few observations are hidden to say anything, and Cancelled as the pipeline does.
+    Raises EvaluationError where nothing is hidden, and Cancelled as the pipeline does.
     """
     config = config or AuditConfig()
     progress = progress or SilentProgress()
+    share = config.share or _usual_share(files, config)
     counted = _Counted()
     numbers = {camera: number for number, camera in enumerate(files.detections, start=1)}
     progress.stage(STAGE, len(files.detections) + 2)
     with TemporaryDirectory(prefix="hindsight-audit-") as folder:
-        again = _label_without_hidden(drive, files, config, Path(folder), progress)
+        again = _label_without_hidden(drive, files, config, share, Path(folder), progress)
         compared = _frames_in_step(read_views(files.tracks, files.boxes_3d), again)
         detections = {camera: _InOrder(_by_frame(read_detections(paths))) for camera, paths in files.detections.items()}
         for frame_index, views, views_again in compared:
             for camera, view in views.items():
                 counted.confident += int(np.count_nonzero(_confident(view.observations, config)))
-                rows = np.flatnonzero(_hidden(view.observations, numbers[camera], frame_index, config))
+                rows = np.flatnonzero(_hidden(view.observations, numbers[camera], frame_index, config, share))
                 seen = detections[camera].at(frame_index)
                 if len(rows) and seen is not None:
                     counted.add(view, rows, seen, views_again.get(camera))
         progress.advance()
-    if counted.hidden < LEAST_HIDDEN:
+    if counted.hidden == 0:
         raise EvaluationError(
-            f"Only {counted.hidden} of {counted.confident} observations with a confidence of at least "
-            f"{config.confidence:g} would be hidden: too few to tell anything (at least {LEAST_HIDDEN} are needed). "
-            "Hide a larger share, or ask for less confidence."
+            f"None of {counted.confident} observations with a confidence of at least {config.confidence:g} would be "
+            "hidden, so there is nothing to tell. Hide a larger share, or ask for less confidence."
         )
-    return counted.audit(drive.name, config)
+    return counted.audit(drive.name, config, share)
+
+
+def _usual_share(files: ResultFiles, config: AuditConfig) -> float:
+    """The share to hide where none is asked for."""
+    confident = sum(
+        int(np.count_nonzero(_confident(observations, config)))
+        for path in files.tracks.values()
+        for _, observations in read_observations(path)
+    )
+    return min(LARGEST_USUAL_SHARE, max(USUAL_SHARE, round(_AIMED_HIDDEN / max(confident, 1), 3)))
 
 
 def _label_without_hidden(
-    drive: Drive, files: ResultFiles, config: AuditConfig, folder: Path, progress: Progress
+    drive: Drive, files: ResultFiles, config: AuditConfig, share: float, folder: Path, progress: Progress
 ) -> Iterator[tuple[int, Mapping[str, LabelledView]]]:
     """Track, merge and propagate without the hidden detections, in files of ``folder``; the labelled frames."""
     tracks: dict[str, Path] = {}
     for number, (camera, paths) in enumerate(files.detections.items(), start=1):
         tracks[camera] = folder / f"tracks-{number}.arrow"
         observed = read_observations(files.tracks[camera])
-        frames = _without_hidden(read_detections(paths), observed, number, config)
+        frames = _without_hidden(read_detections(paths), observed, number, config, share)
         track_detections(
             frames,
             tracks[camera],
@@ -193,10 +210,12 @@ def _confident(observations: Observations, config: AuditConfig) -> NDArray[np.bo
         return (observations.detection_index != NO_DETECTION) & (observations.score >= config.confidence)
 
 
-def _hidden(observations: Observations, camera_number: int, frame_index: int, config: AuditConfig) -> NDArray[np.bool_]:
+def _hidden(
+    observations: Observations, camera_number: int, frame_index: int, config: AuditConfig, share: float
+) -> NDArray[np.bool_]:
     """(N,) whether an observation is hidden; always the same for the same seed, camera and frame."""
     random = np.random.default_rng((config.seed, camera_number, frame_index)).random(len(observations))
-    return _confident(observations, config) & (random < config.share)
+    return _confident(observations, config) & (random < share)
 
 
 def _without_hidden(
@@ -204,6 +223,7 @@ def _without_hidden(
     observed: Iterator[tuple[int, Observations]],
     camera_number: int,
     config: AuditConfig,
+    share: float,
 ) -> Iterator[DetectedFrame]:
     """The frames of a camera; a hidden detection keeps its row, so that the others keep theirs, but has no score, which
     no tracker takes."""
@@ -211,7 +231,7 @@ def _without_hidden(
     for frame in frames:
         observations = tracks.at(frame.frame_index)
         if observations is not None:
-            hidden = _hidden(observations, camera_number, frame.frame_index, config)
+            hidden = _hidden(observations, camera_number, frame.frame_index, config, share)
             score = frame.detections.score.copy()
             score[observations.detection_index[hidden]] = np.nan
             frame = replace(frame, detections=replace(frame.detections, score=score))
@@ -271,11 +291,11 @@ class _Counted:
         self._by_height.add(box_px[:, 3] - box_px[:, 1], box_agrees, label_agrees)
         self._by_distance.add(_distances_m(view, hidden), box_agrees, label_agrees)
 
-    def audit(self, drive_name: str, config: AuditConfig) -> Audit:
+    def audit(self, drive_name: str, config: AuditConfig, share: float) -> Audit:
         (whole,) = self._whole.rows()
         return Audit(
             drive=drive_name,
-            share=config.share,
+            share=share,
             confidence=config.confidence,
             seed=config.seed,
             iou=MIN_IOU,

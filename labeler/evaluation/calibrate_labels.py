@@ -28,7 +28,7 @@ from labeler.evaluation.counting import ABSORBED, HIT, Labels2D, judge
 from labeler.evaluation.curve_fitting import FALLS, RISES, fit_curves
 from labeler.evaluation.matching import overlapping_pairs
 from labeler.evaluation.reliability import Reliability, ReliabilityCounts
-from labeler.evaluation.text_sequences import CAMERA, CAR_CLASS_ID, read_sequences
+from labeler.evaluation.text_sequences import CAMERA, read_sequences
 from labeler.evaluation.truth import TruthTable, image_number, prepare_truth
 from labeler.evaluation.types import EvaluationConfig, EvaluationError
 from labeler.models import ModelCache
@@ -91,10 +91,10 @@ def samples_of_text(root: Path, names: Sequence[str]) -> Iterator[Sample]:
     for sequence in read_sequences(root, config=EvaluationConfig()):
         if sequence.name not in names:
             continue
-        tracker = open_tracker(TrackingConfig(), class_groups=(0,) * (CAR_CLASS_ID + 1))
+        tracker = open_tracker(TrackingConfig(), class_groups=sequence.class_groups)
         seen = [(CAMERA, found) for found in tracker.track(sequence.frames, first_track_id=1) if len(found)]
         times_ns = np.array([frame.timestamp_ns for frame in sequence.frames], np.int64)
-        yield _sample(sequence.name, seen, {}, times_ns, (CAMERA,), ("car",), sequence.truth)
+        yield _sample(sequence.name, seen, {}, times_ns, (CAMERA,), sequence.class_names, sequence.truth)
 
 
 def fit(samples: Sequence[Sample]) -> CurveModel:

@@ -28,7 +28,7 @@ from labeler.evaluation.categories import class_of_labels
 from labeler.evaluation.counting import ABSORBED, FALSE_LABEL, HIT, Labels2D, judge
 from labeler.evaluation.curve_fitting import FALLS, RISES, fit_curves
 from labeler.evaluation.matching import overlapping_pairs
-from labeler.evaluation.text_sequences import CAMERA, CAR_CLASS_ID, read_sequences
+from labeler.evaluation.text_sequences import CAMERA, read_sequences
 from labeler.evaluation.truth import TruthTable, image_number, prepare_truth
 from labeler.evaluation.types import EvaluationConfig, EvaluationError
 from labeler.pipeline import LabelSettings, label_drive
@@ -100,8 +100,8 @@ def samples_of_text(root: Path, names: Sequence[str]) -> Iterator[Sample]:
     """The boxes in some sequences of a folder."""
     for sequence in read_sequences(root, config=EvaluationConfig()):
         if sequence.name in names:
-            tracked = _Tracked.of(sequence.frames, (0,) * (CAR_CLASS_ID + 1))
-            yield _sample(f"{sequence.name}, {CAMERA}", tracked, (0, 1), ("car",), sequence.truth, 1.0)
+            tracked = _Tracked.of(sequence.frames, sequence.class_groups)
+            yield _sample(f"{sequence.name}, {CAMERA}", tracked, (0, 1), sequence.class_names, sequence.truth, 1.0)
 
 
 def fit(samples: Sequence[Sample]) -> CurveModel:

@@ -6,22 +6,22 @@ docs/evaluation.md). HOTA, MOTA and IDF1 are those of the labels with at least t
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
 
+from labeler.evaluation.categories import class_of_labels
 from labeler.evaluation.counting import ABSORBED, HIT, Judgement, Labels2D, judge
 from labeler.evaluation.matching import UNMATCHED, Pairs, overlapping_pairs
-from labeler.evaluation.text_sequences import CAR_CLASS_ID, TextSequence, read_sequences
+from labeler.evaluation.sequences import DetectedSequence
 from labeler.evaluation.tracking import MIN_IOU, TrackingRows, clear, hota, idf1
 from labeler.evaluation.truth import TruthTable
 from labeler.evaluation.types import IOUS, EvaluationConfig
 from labeler.propagation import PropagationConfig, collect_votes, label_observations
-from labeler.tracking import DetectedFrame, Observations, TrackingConfig, open_tracker
+from labeler.tracking import Observations, TrackingConfig, open_tracker
 
 FAR_M = 40.0
 
@@ -49,10 +49,16 @@ PASSES: Mapping[str, tuple[TrackingConfig, PropagationConfig] | None] = {
 }
 """What each pass adds, one after the other, and two variants of the whole."""
 
+EGO_MOTIONS: Mapping[str, tuple[TrackingConfig, PropagationConfig] | None] = {
+    "without ego motion": (TrackingConfig(ego_motion="none"), PropagationConfig()),
+    "the car's turns alone": (TrackingConfig(ego_motion="rotation"), PropagationConfig()),
+}
+"""Ours with less of the car's own motion."""
+
 
 class LabelRow(TypedDict):
-    """Precision and recall at IoU .25 and .5, recall of what is beyond 40 m, and tracking scores; None where there is
-    nothing to divide by, or no identity."""
+    """Precision and recall at IoU .25 and .5, recall of what is beyond 40 m, tracking scores, and how many identities
+    the objects that are found have each in the mean; None where there is nothing to divide by, or no identity."""
 
     method: str
     p25: float | None
@@ -63,57 +69,67 @@ class LabelRow(TypedDict):
     hota: float | None
     mota: float | None
     idf1: float | None
+    identities_per_object: float | None
 
 
 def benchmark_labels(
-    root: Path, *, detections: str | None = None, passes: bool = False, config: EvaluationConfig | None = None
+    sequences: Iterable[DetectedSequence],
+    *,
+    passes: bool = False,
+    ego_motions: bool = False,
+    config: EvaluationConfig | None = None,
 ) -> list[LabelRow]:
-    """A row for each method over all sequences of the folder ``root`` (see :mod:`labeler.evaluation.text_sequences`);
-    with ``passes``, one for each pass of ours as well."""
+    """A row for each method over all sequences; with ``passes``, one for each pass of ours as well, with
+    ``ego_motions`` one for each of EGO_MOTIONS."""
     config = config or EvaluationConfig()
-    methods = {**METHODS, **(PASSES if passes else {})}
+    methods = {**METHODS, **(EGO_MOTIONS if ego_motions else {}), **(PASSES if passes else {})}
     counted = {method: _Counted() for method in methods}
-    for sequence in read_sequences(root, detections=detections, config=config):
+    for sequence in sequences:
         for method, how in methods.items():
-            labels = _detected(sequence) if how is None else label_sequence(sequence.frames, *how)
+            labels = _detected(sequence) if how is None else label_sequence(sequence, *how)
             counted[method].add(labels, sequence.truth, config.confidence)
     return [counted[method].row(method, with_identities=how is not None) for method, how in methods.items()]
 
 
 @dataclass(frozen=True, eq=False)
 class BoxLabels:
-    """Labels of one sequence: ``frame`` (N,), ``xyxy_px`` (N, 4), ``confidence`` (N,), NaN where there is none, and
-    ``identity`` (N,)."""
+    """Labels of one sequence: ``frame`` (N,), ``xyxy_px`` (N, 4), ``label_class`` (N,) as in
+    :mod:`labeler.evaluation.categories`, ``confidence`` (N,), NaN where there is none, and ``identity`` (N,)."""
 
     frame: NDArray[np.int64]
     xyxy_px: NDArray[np.float32]
+    label_class: NDArray[np.int16]
     confidence: NDArray[np.float32]
     identity: NDArray[np.int32]
 
 
-def label_sequence(
-    frames: Sequence[DetectedFrame], tracking: TrackingConfig, propagation: PropagationConfig
-) -> BoxLabels:
+def label_sequence(sequence: DetectedSequence, tracking: TrackingConfig, propagation: PropagationConfig) -> BoxLabels:
     """Track one camera's frames, and give each observation its track's label."""
-    tracker = open_tracker(tracking, class_groups=(0,) * (CAR_CLASS_ID + 1))
-    observed = [found for found in tracker.track(frames, first_track_id=1) if len(found)]
+    tracker = open_tracker(tracking, class_groups=sequence.class_groups, motion=sequence.motion_of(tracking))
+    observed = [found for found in tracker.track(sequence.frames, first_track_id=1) if len(found)]
     votes = collect_votes((("camera", found) for found in observed), {}, config=propagation)
     labels = [label_observations(found, {}, votes, config=propagation) for found in observed]
     observed.append(Observations.empty())
     return BoxLabels(
         frame=np.concatenate([found.frame_index for found in observed]).astype(np.int64),
         xyxy_px=np.concatenate([found.xyxy_px for found in observed]),
+        label_class=class_of_labels(sequence.class_names)[
+            np.concatenate([np.zeros(0, np.int16), *(label.class_id for label in labels)])
+        ],
         confidence=np.concatenate([np.zeros(0, np.float32), *(label.score for label in labels)]),
         identity=np.concatenate([found.track_id for found in observed]),
     )
 
 
-def _detected(sequence: TextSequence) -> BoxLabels:
+def _detected(sequence: DetectedSequence) -> BoxLabels:
     found = [frame.detections for frame in sequence.frames]
     count = sum(len(detections) for detections in found)
     return BoxLabels(
         frame=np.repeat([frame.frame_index for frame in sequence.frames], [len(one) for one in found]).astype(np.int64),
         xyxy_px=np.concatenate([np.zeros((0, 4), np.float32), *(one.xyxy_px for one in found)]),
+        label_class=class_of_labels(sequence.class_names)[
+            np.concatenate([np.zeros(0, np.int16), *(one.class_id for one in found)])
+        ],
         confidence=np.concatenate([np.zeros(0, np.float32), *(one.score for one in found)]),
         identity=np.arange(count, dtype=np.int32),
     )
@@ -128,16 +144,18 @@ class _Counted:
     cars: int = 0
     far_hits: int = 0
     far_cars: int = 0
+    found_objects: int = 0
+    their_identities: int = 0
     parts: list[TrackingRows] = field(default_factory=list[TrackingRows])
 
     def add(self, labels: BoxLabels, truth: TruthTable, confidence: float) -> None:
         with np.errstate(invalid="ignore"):
-            sure = np.flatnonzero(labels.confidence >= confidence)
+            sure = np.flatnonzero((labels.confidence >= confidence) & (labels.label_class >= 0))
         boxes = Labels2D(
             labels.frame[sure],
             np.zeros(len(sure), np.int16),
             labels.xyxy_px[sure],
-            np.zeros(len(sure), np.int16),
+            labels.label_class[sure],
             labels.confidence[sure],
         )
         pairs = overlapping_pairs(boxes.image, boxes.xyxy_px, truth.image, truth.whole_px)
@@ -151,6 +169,10 @@ class _Counted:
             if iou == IOUS[0]:
                 self.far_hits += int(np.count_nonzero(far[judged.truth_row[judged.truth_row != UNMATCHED]]))
         judged = judge(boxes, truth, pairs, min_iou=MIN_IOU, compare_classes=False)
+        hits = judged.truth_row != UNMATCHED
+        who = np.stack([truth.object_id[judged.truth_row[hits]], labels.identity[sure][hits]])
+        self.found_objects += len(np.unique(who[0]))
+        self.their_identities += np.unique(who, axis=1).shape[1]
         self.parts.append(_tracking_rows(boxes, labels.identity[sure], truth, pairs, judged))
 
     def row(self, method: str, *, with_identities: bool) -> LabelRow:
@@ -167,6 +189,7 @@ class _Counted:
             hota=None if score is None else round(score.hota, 5),
             mota=_rounded(clear(rows).mota) if with_identities else None,
             idf1=_rounded(idf1(rows)) if with_identities else None,
+            identities_per_object=_share(self.their_identities, self.found_objects) if with_identities else None,
         )
 
 

@@ -12,7 +12,6 @@ vehicle is false.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +21,7 @@ from labeler.detection.types import Detections
 from labeler.drive.kitti import PERIOD_NS
 from labeler.drive.kitti_text import read_calibration, read_truth_labels
 from labeler.drive.types import Truth, TruthBoxes2D
+from labeler.evaluation.sequences import DetectedSequence
 from labeler.evaluation.truth import TruthTable, prepare_truth
 from labeler.evaluation.types import EvaluationConfig, EvaluationError
 from labeler.tracking import DetectedFrame
@@ -35,17 +35,11 @@ _COUNTED = "Car"
 _ABSORBING = ("Van", "DontCare")
 
 
-@dataclass(frozen=True, eq=False)
-class TextSequence:
-    """One sequence: every frame from 0 to the last that truth or detections name, and the truth of all."""
-
-    name: str
-    frames: tuple[DetectedFrame, ...]
-    truth: TruthTable
-
-
-def read_sequences(root: Path, *, detections: str | None = None, config: EvaluationConfig) -> Iterator[TextSequence]:
-    """The sequences of a folder in order of their names, one in memory at a time.
+def read_sequences(
+    root: Path, *, detections: str | None = None, config: EvaluationConfig
+) -> Iterator[DetectedSequence]:
+    """The sequences of a folder in order of their names, one in memory at a time: of each every frame from 0 to the
+    last that truth or detections name.
 
     ``detections`` names the folder of detections; without it, it is the only ``det_*`` with rows of six fields.
     EvaluationError where files are missing or malformed: the message names the file and the line.
@@ -84,7 +78,7 @@ def _has_plain_rows(folder: Path) -> bool:
     return False
 
 
-def _read_sequence(root: Path, folder: Path, name: str, config: EvaluationConfig) -> TextSequence:
+def _read_sequence(root: Path, folder: Path, name: str, config: EvaluationConfig) -> DetectedSequence:
     table = _read_detections(folder / f"{name}.txt")
     labels = root / "label_02" / f"{name}.txt"
     count = max(int(table[:, 0].max(initial=-1)), _last_frame(labels)) + 1
@@ -92,7 +86,8 @@ def _read_sequence(root: Path, folder: Path, name: str, config: EvaluationConfig
     truth = read_truth_labels(labels, {frame: frame for frame in range(count)}, calibration, camera=CAMERA)
     if truth.boxes_2d is None:
         raise EvaluationError(f"{labels} has no boxes.")
-    return TextSequence(name, _frames(table, count), _truth_of_cars(truth.boxes_2d, config))
+    groups = (0,) * (CAR_CLASS_ID + 1)
+    return DetectedSequence(name, _frames(table, count), _truth_of_cars(truth.boxes_2d, config), ("car",), groups)
 
 
 def _truth_of_cars(boxes: TruthBoxes2D, config: EvaluationConfig) -> TruthTable:

@@ -37,9 +37,13 @@ def test_a_labelled_drive(made_model: Path, tmp_path: Path) -> None:
     table = run(*asked).stdout
     assert f"{found['hidden']} of {found['confident']}" in table
 
-    few = run("audit", str(made_drive), "--confidence", "1", *where)
-    assert few.exit_code == 1
-    assert "too few to tell anything" in few.stderr
+    few = run("audit", str(made_drive), "--share", "0.05", "--confidence", "0.3", *where)
+    assert few.exit_code == 0
+    assert "Warning: only" in few.stderr
+
+    nothing = run("audit", str(made_drive), "--confidence", "1", *where)
+    assert nothing.exit_code == 1
+    assert "there is nothing to tell" in nothing.stderr
 
 
 @pytest.fixture

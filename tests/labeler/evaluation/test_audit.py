@@ -99,7 +99,21 @@ def test_the_seed_says_who_is_hidden(tmp_path: Path) -> None:
     assert first["hidden"] != other["hidden"] or first["by_height"] != other["by_height"]
 
 
-def test_too_few_to_tell(tmp_path: Path) -> None:
+def test_of_a_short_drive_more_is_hidden(tmp_path: Path) -> None:
+    """Of 200 confident observations a twentieth would be 10."""
+    found = audit_labels(made_drive(tmp_path), made_files(tmp_path, "offline"))
+    assert found["share"] == 0.2
+    assert found["hidden"] > 20
+    # only the near car is sure enough here: 100, of which 20 are too few to hide more of
+    found = audit_labels(made_drive(tmp_path), made_files(tmp_path, "offline"), config=AuditConfig(confidence=0.9))
+    assert (found["confident"], found["share"]) == (100, 0.2)
+    # who asks for less gets less, and a wide interval
+    found = audit_labels(made_drive(tmp_path), made_files(tmp_path, "offline"), config=AuditConfig(share=0.02))
+    assert 0 < found["hidden"] < 20
+    assert found["box"]["high"] - found["box"]["low"] > 0.1  # type: ignore[operator]
+
+
+def test_nothing_to_hide(tmp_path: Path) -> None:
     with pytest.raises(EvaluationError, match=r"of 0 observations with a confidence of at least 0\.95"):
         audit_labels(made_drive(tmp_path), made_files(tmp_path, "offline"), config=AuditConfig(confidence=0.95))
 

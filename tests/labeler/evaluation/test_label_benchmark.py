@@ -4,13 +4,19 @@ from pathlib import Path
 
 import pytest
 
-from labeler.evaluation.label_benchmark import benchmark_labels
-from labeler.evaluation.types import EvaluationError
+from labeler.evaluation.label_benchmark import LabelRow
+from labeler.evaluation.label_benchmark import benchmark_labels as benchmark_sequences
+from labeler.evaluation.text_sequences import read_sequences
+from labeler.evaluation.types import EvaluationConfig, EvaluationError
 
 CALIBRATION = """P2: 700 0 600 0 0 700 180 0 0 0 1 0
 R0_rect: 1 0 0 0 1 0 0 0 1
 Tr_velo_to_cam: 0 -1 0 0 0 0 -1 0 1 0 0 0
 """
+
+
+def benchmark_labels(root: Path) -> list[LabelRow]:
+    return benchmark_sequences(read_sequences(root, config=EvaluationConfig()))
 
 
 def truth(frame: int, track: int, category: str, x: float, z_m: float = 20) -> str:
