@@ -12,13 +12,6 @@ from app.tracks.models import LabelRow, ObservationRow, TrackRow
 from app.tracks.repository import same_track
 
 
-def best_of_tracks(session: Session, labelling_id: int) -> dict[int, tuple[int, float]]:
-    """Class id and score of the best observation of each track that has one."""
-    query = select(TrackRow.track_id, TrackRow.class_id, TrackRow.best_score)
-    rows = session.execute(query.where(TrackRow.labelling_id == labelling_id))
-    return {track_id: (class_id, score) for track_id, class_id, score in rows if score is not None}
-
-
 def labels_between(session: Session, labelling_id: int, start: int, stop: int) -> Sequence[Sequence[Any]]:
     """Columns of the observations of the frames ``start <= frame_index < stop``; empty where there are none.
 

@@ -12,6 +12,7 @@ from app.drives.service import open_stored_drive, require_drive
 from app.errors import Conflict
 from app.evaluation import repository
 from app.evaluation.errors import NoTruth
+from app.identities.relabelling import propagation_of
 from app.settings import Settings
 from app.tracks import repository as tracks_repository
 from app.tracks.models import LabellingRow
@@ -19,6 +20,7 @@ from labeler.drive import Drive
 from labeler.evaluation.evaluate import evaluate_labels
 from labeler.evaluation.sources import FRAMES_PER_PART, detections_of_result
 from labeler.evaluation.types import BoxRows, EvaluatedLabels, Evaluation, EvaluationConfig, EvaluationError, LabelRows
+from labeler.pipeline.plan import frame_times_of
 
 
 def evaluate_stored_drive(
@@ -54,7 +56,8 @@ def evaluate_labelling(
     source = EvaluatedLabels(
         cameras=cameras,
         class_names=tuple(labelling.class_names),
-        best_of_track=repository.best_of_tracks(session, labelling.id),
+        propagation=propagation_of(labelling),
+        timestamp_ns=frame_times_of(recorded),
         open_labels=partial(
             _read_labels,
             session,

@@ -20,6 +20,7 @@ from app.tracks import label_repository
 from app.tracks import repository as tracks_repository
 from app.tracks.label_repository import LABEL_COLUMNS, BoxAndLabel
 from app.tracks.label_values import label_values
+from app.tracks.models import LabellingRow
 from labeler.propagation import Donor, PropagationConfig, collect_votes, donor_of, label_observations
 from labeler.tracking.types import NO_DETECTION, Observations
 
@@ -40,6 +41,12 @@ class Relabelled:
     changed_tracks: frozenset[int]
 
 
+def propagation_of(labelling: LabellingRow) -> PropagationConfig:
+    """The settings by which the labels of a labelling were given."""
+    kept = labelling.propagation
+    return BEFORE_IT_WAS_KEPT if kept is None else PropagationConfig(**kept)
+
+
 class Relabelling:
     """Labels the identities of one labelling anew."""
 
@@ -49,8 +56,7 @@ class Relabelling:
         self._also_rejected = also_rejected
         self._labelling_id = labelling_id
         self._labelling = tracks_repository.find_labelling(session, labelling_id)
-        kept = self._labelling.propagation
-        self._config = BEFORE_IT_WAS_KEPT if kept is None else PropagationConfig(**kept)
+        self._config = propagation_of(self._labelling)
 
     @cached_property
     def _rejected(self) -> dict[int, list[Effect]]:

@@ -1,12 +1,11 @@
 """The paper's table for a drive, and what stands behind it.
 
-Three methods are counted on the same images: the detector's boxes as they are ("without-tracking"), each track with the
-label of its best observation ("single-camera"), and the labels as they are, best of all cameras ("multi-camera").
+Three methods are counted on the same images: the detector's boxes as they are ("without-tracking"), tracks with the
+labels that their own observations give ("single-camera"), and the labels as they are, of all cameras ("multi-camera").
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
@@ -21,6 +20,7 @@ from labeler.evaluation.curves import average_precision, precision_recall_at
 from labeler.evaluation.matching import Pairs, overlapping_pairs
 from labeler.evaluation.merges import score_merges
 from labeler.evaluation.reliability import ReliabilityCounts
+from labeler.evaluation.track_labels import TrackLabels
 from labeler.evaluation.tracking import MIN_IOU, TrackingRows, clear, hota, idf1
 from labeler.evaluation.truth import TruthTable, front_cameras, image_number, prepare_truth
 from labeler.evaluation.types import (
@@ -55,7 +55,8 @@ def evaluate_labels(
 ) -> Evaluation:
     """Compare the labels of a drive with its truth.
 
-    Reads labels and detections once, part by part. Raises EvaluationError when the truth has no boxes in the images.
+    Reads detections once and labels twice, part by part. Raises EvaluationError when the truth has no boxes in the
+    images.
     """
     config = config or EvaluationConfig()
     table = None if truth is None else prepare_truth(truth, source.cameras, config)
@@ -112,6 +113,7 @@ class _Counted:
         self._label_class = class_of_labels(source.class_names)
         criteria: list[Criterion] = [(kind, iou) for kind in self._kinds for iou in IOUS]
         self._tallies = {method: Tally(table, criteria, compare_classes=self._compare_classes) for method in METHODS}
+        self._of_tracks = TrackLabels(source)
         self._tracking = _TrackingParts()
         self._tracked_labels = 0
         self._by_probability = ReliabilityCounts()
@@ -132,7 +134,7 @@ class _Counted:
         merged = self._relabelled(own, part.label_class_id, part.label_score)
         if with_own:
             self._tallies[WITHOUT_TRACKING].add(own, span, pairs)
-        self._tallies[SINGLE_CAMERA].add(self._relabelled(own, *self._labels_of_tracks(part)), span, pairs)
+        self._tallies[SINGLE_CAMERA].add(self._relabelled(own, *self._of_tracks.of(part)), span, pairs)
         self._tallies[MULTI_CAMERA].add(merged, span, pairs)
         self._follow(merged, part.identity_id, span, pairs["whole"])
         self._weigh(merged, part.probability, span, pairs["whole"])
@@ -222,19 +224,6 @@ class _Counted:
 
     def _relabelled(self, labels: Labels2D, class_id: NDArray[np.int16], score: NDArray[np.float32]) -> Labels2D:
         return replace(labels, label_class=self._label_class[class_id], score=score)
-
-    def _labels_of_tracks(self, part: LabelRows) -> tuple[NDArray[np.int16], NDArray[np.float32]]:
-        """(N,) class id and (N,) score of the best observation of each row's track, NaN where the track is unknown; of
-        the row itself where its label is withheld."""
-        tracks, inverse = np.unique(part.track_id, return_inverse=True)
-        ids: list[int] = tracks.tolist()
-        best = [self._source.best_of_track.get(track, (0, math.nan)) for track in ids]
-        class_id = np.array([class_id for class_id, _ in best], np.int16)[inverse]
-        score = np.array([score for _, score in best], np.float32)[inverse]
-        return (
-            np.where(part.withheld, part.own.class_id, class_id),
-            np.where(part.withheld, part.own.score, score),
-        )
 
     def _truth_of(self, labels: Labels2D) -> slice:
         """The rows of the truth from the first to the last image of a part."""

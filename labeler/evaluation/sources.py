@@ -9,7 +9,9 @@ from pathlib import Path
 
 import numpy as np
 
+from labeler.drive import Drive
 from labeler.evaluation.types import BoxRows, EvaluatedLabels, LabelRows
+from labeler.pipeline.plan import frame_times_of
 from labeler.pipeline.results import find_detections
 from labeler.pipeline.types import LabelledDrive, LabelledFrame
 from labeler.propagation import Withheld
@@ -18,13 +20,15 @@ from labeler.tracking import DetectedFrame, Observations
 FRAMES_PER_PART = 64
 
 
-def labels_of_run(labelled: LabelledDrive, cameras: Sequence[str], *, workspace: Path | None = None) -> EvaluatedLabels:
-    """The labels of a run. ``workspace`` is where it kept its detections."""
+def labels_of_run(labelled: LabelledDrive, drive: Drive, *, workspace: Path | None = None) -> EvaluatedLabels:
+    """The labels of a run over ``drive``. ``workspace`` is where it kept its detections."""
+    cameras = tuple(camera.name for camera in drive.cameras)
     return EvaluatedLabels(
-        cameras=tuple(cameras),
+        cameras=cameras,
         class_names=labelled.class_names,
-        best_of_track={track.track_id: (track.class_id, track.best_score) for track in labelled.tracks},
-        open_labels=partial(_label_parts, labelled, tuple(cameras)),
+        propagation=labelled.propagation,
+        timestamp_ns=frame_times_of(drive),
+        open_labels=partial(_label_parts, labelled, cameras),
         open_detections=None if workspace is None else detections_of_result(workspace, labelled.key, cameras),
     )
 

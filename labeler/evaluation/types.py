@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from labeler.errors import HindsightError
 from labeler.evaluation.reliability import Reliability
+from labeler.propagation import PropagationConfig
 
 METHODS = ("without-tracking", "single-camera", "multi-camera")
 TRUTHS = ("whole", "visible")
@@ -99,14 +100,16 @@ class LabelRows:
 class EvaluatedLabels:
     """The labels of a drive, from wherever they are kept.
 
-    ``best_of_track`` maps a track to class id and score of its best observation: the label that it has where cameras
-    are not merged. ``open_labels`` and ``open_detections`` start a pass over the drive in order of frames; the latter
-    is None where the detections are not kept, and then the observations' own scores stand for them.
+    ``propagation`` are the settings by which labels were given, and ``timestamp_ns`` (F,) is the time of each frame:
+    from these follow the labels that tracks have where cameras are not merged. ``open_labels`` and ``open_detections``
+    start a pass over the drive in order of frames; the latter is None where the detections are not kept, and then the
+    observations' own scores stand for them.
     """
 
     cameras: tuple[str, ...]
     class_names: tuple[str, ...]
-    best_of_track: dict[int, tuple[int, float]]
+    propagation: PropagationConfig
+    timestamp_ns: NDArray[np.int64]
     open_labels: Callable[[], Iterator[LabelRows]]
     open_detections: Callable[[], Iterator[BoxRows]] | None
 

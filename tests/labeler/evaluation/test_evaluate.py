@@ -21,6 +21,7 @@ from labeler.evaluation.types import (
     EvaluationError,
     LabelRows,
 )
+from labeler.propagation import PropagationConfig
 
 CAMERAS = ("front", "left")
 CLASS_NAMES = ("car", "truck", "person")
@@ -72,7 +73,8 @@ def source(**given: Any) -> EvaluatedLabels:
         **{
             "cameras": CAMERAS,
             "class_names": CLASS_NAMES,
-            "best_of_track": {1: (0, 0.9), 11: (0, 0.5)},
+            "propagation": PropagationConfig(),
+            "timestamp_ns": np.arange(3, dtype=np.int64) * 1_000_000_000,
             "open_labels": label_parts,
             "open_detections": detection_parts,
         }
@@ -119,6 +121,53 @@ def test_a_withheld_label_is_the_detectors_own_in_the_single_camera_row_too():
     """Track 1 has the score .9 in frame 2 only; its box in frame 1 keeps its own .6."""
     labels = source(open_labels=lambda: label_parts(withheld=((1, 0, 1),)))
     assert counts(evaluated(labels=labels))["single-camera"] == (1, 0, 3)
+
+
+@pytest.mark.parametrize(
+    ("propagation", "expected"),
+    [
+        # front: the box of .9 speaks for both; left: the one of .5 does, which is not sure
+        (PropagationConfig(), (2, 0, 2)),
+        (PropagationConfig(rule="top-k", top_k=2), (2, 0, 2)),
+        # one second lies between the boxes in front: within half a second the sure one speaks for itself only
+        (PropagationConfig(window_s=0.5), (1, 0, 3)),
+        (PropagationConfig(window_s=2.0), (2, 0, 2)),
+        # only what has .95 may speak for others, which nothing has
+        (PropagationConfig(min_donor_score=0.95), (1, 0, 3)),
+    ],
+)
+def test_tracks_get_labels_by_the_settings_of_the_run(propagation: PropagationConfig, expected: tuple[int, int, int]):
+    assert counts(evaluated(labels=source(propagation=propagation)))["single-camera"] == expected
+
+
+def test_in_tracks_too_the_surest_vote_where_that_is_the_rule():
+    """Track 1 is called a truck with .9 once, and a car with .6 and .5: three vote for the car, which is never sure."""
+
+    def parts() -> Iterator[LabelRows]:
+        for frame, class_id, score in ((0, 0, 0.5), (1, 0, 0.6), (2, 1, 0.9)):
+            yield LabelRows(
+                own=boxes([(frame, 0)], [class_id], [score]),
+                track_id=np.array([1], np.int32),
+                identity_id=np.array([1], np.int32),
+                label_class_id=np.array([0], np.int16),
+                label_score=np.array([0.9], np.float32),
+                withheld=np.zeros(1, np.bool_),
+                probability=np.full(1, np.nan, np.float32),
+            )
+
+    three = truth(
+        frame_index=np.arange(3, dtype=np.int32),
+        camera=("front",) * 3,
+        track_uuid=("car",) * 3,
+        category=("CAR",) * 3,
+        xyxy_px=np.tile(np.array([BOX], np.float32), (3, 1)),
+        distance_m=np.full(3, 10, np.float32),
+    )
+    config = EvaluationConfig(confidence=0.55)
+    for propagation, expected in ((PropagationConfig(), (0, 3, 3)), (PropagationConfig("top-k", 3), (3, 0, 0))):
+        labels = source(open_labels=parts, open_detections=None, propagation=propagation)
+        found = evaluate_labels(labels, three, drive_name="made", config=config)
+        assert counts(found)["single-camera"] == expected
 
 
 def test_the_table():

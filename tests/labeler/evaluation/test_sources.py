@@ -48,9 +48,9 @@ def truth_of_observations(labelled: LabelledDrive) -> Truth:
     )
 
 
-def test_labels_that_are_their_own_truth_are_all_right(labelled: LabelledDrive, workspace: Path):
+def test_labels_that_are_their_own_truth_are_all_right(drive: Drive, labelled: LabelledDrive, workspace: Path):
     found = evaluate_labels(
-        labels_of_run(labelled, CAMERAS, workspace=workspace),
+        labels_of_run(labelled, drive, workspace=workspace),
         truth_of_observations(labelled),
         drive_name="made",
         config=EvaluationConfig(confidence=0.0),
