@@ -41,9 +41,11 @@ Drives = Annotated[
         "--drives", "-d", help="A drive, or a folder of drives; may be given several times.", show_default=False
     ),
 ]
+Steps = Annotated[int, typer.Option(min=1, help="Steps in all.")]
 Seed = Annotated[int, typer.Option(min=0, help="The first weights and all examples follow from it.")]
 BatchSize = Annotated[int, typer.Option(min=1, help="Examples in a step.")]
 Workers = Annotated[int, typer.Option(min=1, help="Cores to use; they share the examples of a step.")]
+FIRST_SEED, EXAMPLES_A_STEP = 1, 8
 
 
 @train.command()
@@ -60,39 +62,42 @@ def drives(
     say(f"{out / 'training'}: {training} drives to learn from; {out / 'validation'}: {validation} to validate with.")
 
 
-@train.command()
-def detector(
-    run: RunFolder,
-    drives: Drives,
-    steps: Annotated[int, typer.Option(min=1, help="Steps in all.")] = DETECTOR.steps,
-    seed: Seed = 1,
-    batch_size: BatchSize = 8,
-    workers: Workers = DETECTOR.workers,
-) -> None:
-    """Train a YOLOX-nano detector of vehicles, and write it into RUN."""
-    _train(DETECTOR, run, drives, steps=steps, seed=seed, batch_size=batch_size, workers=workers)
+def _command_for(recipe: Recipe, name: str, about: str) -> None:
+    """A command that follows a recipe; its options begin with what the recipe says."""
+
+    def follow(
+        run: RunFolder,
+        drives: Drives,
+        steps: Steps = recipe.steps,
+        seed: Seed = FIRST_SEED,
+        batch_size: BatchSize = EXAMPLES_A_STEP,
+        workers: Workers = recipe.workers,
+    ) -> None:
+        _require_torch()
+        runs = importlib.import_module("labeler.training.runs")
+        file: Path = runs.train_recipe(
+            recipe, run, drives, steps=steps, seed=seed, batch_size=batch_size, workers=workers, report=say
+        )
+        _say_written(file)
+
+    train.command(name, help=about)(follow)
 
 
-@train.command()
-def segmentation(
-    run: RunFolder,
-    drives: Drives,
-    steps: Annotated[int, typer.Option(min=1, help="Steps in all.")] = SEGMENTATION.steps,
-    seed: Seed = 1,
-    batch_size: BatchSize = 8,
-    workers: Workers = SEGMENTATION.workers,
-) -> None:
-    """Train a network that tells road, building, vegetation and vehicle, and write it into RUN."""
-    _train(SEGMENTATION, run, drives, steps=steps, seed=seed, batch_size=batch_size, workers=workers)
+_command_for(DETECTOR, "detector", "Train a YOLOX-nano detector of vehicles, and write it into RUN.")
+_command_for(
+    SEGMENTATION,
+    "segmentation",
+    "Train a network that tells road, building, vegetation and vehicle, and write it into RUN.",
+)
 
 
 @train.command()
 def pillars(
     run: RunFolder,
     drives: Drives,
-    steps: Annotated[int, typer.Option(min=1, help="Steps in all.")] = PILLARS.steps,
-    seed: Seed = 1,
-    batch_size: BatchSize = 8,
+    steps: Steps = PILLARS.steps,
+    seed: Seed = FIRST_SEED,
+    batch_size: BatchSize = EXAMPLES_A_STEP,
     workers: Workers = PILLARS.workers,
     painter: Annotated[
         str, typer.Option(help="The segmentation that paints the points: a name, or an .onnx file.")
@@ -135,17 +140,6 @@ def validate(
     else:
         say(f"{report.model}: {_amount(report)} on one core; {', '.join(report.drives)}")
         show_table(_table(report))
-
-
-def _train(
-    recipe: Recipe, run: Path, drives: list[Path], *, steps: int, seed: int, batch_size: int, workers: int
-) -> None:
-    _require_torch()
-    runs = importlib.import_module("labeler.training.runs")
-    file: Path = runs.train_recipe(
-        recipe, run, drives, steps=steps, seed=seed, batch_size=batch_size, workers=workers, report=say
-    )
-    _say_written(file)
 
 
 def _require_torch() -> None:

@@ -6,31 +6,31 @@ alike, however long they are. A label is right where it hits a true object at an
 ``hindsight evaluate``. Curves are held to the direction that sense demands: a box that is trusted more never makes its
 label less likely.
 
-    python -m labeler.evaluation.calibrate_labels --model FILE --workspace FOLDER --fit DRIVE ... --check DRIVE ...
+    python -m labeler.evaluation.calibrate_labels --model FILE ... --workspace FOLDER --fit DRIVE ... --check DRIVE ...
         --text ROOT --text-fit 0000 ... --text-check 0001 ... --out probability.json
 """
 
 from __future__ import annotations
 
-import argparse
-import json
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from labeler.drive import is_simulated, open_drive
+from labeler.evaluation.calibration_command import parse_options
 from labeler.evaluation.categories import class_of_labels
 from labeler.evaluation.counting import ABSORBED, HIT, Labels2D, judge
 from labeler.evaluation.curve_fitting import FALLS, RISES, fit_curves
 from labeler.evaluation.matching import overlapping_pairs
 from labeler.evaluation.reliability import Reliability, ReliabilityCounts
 from labeler.evaluation.text_sequences import CAMERA, read_sequences
-from labeler.evaluation.truth import TruthTable, image_number, prepare_truth
-from labeler.evaluation.types import EvaluationConfig, EvaluationError
+from labeler.evaluation.truth import TruthTable, image_number, true_boxes_of
+from labeler.evaluation.types import EvaluationConfig
 from labeler.models import ModelCache
 from labeler.models.choice import choose_segmentation
 from labeler.pipeline.run import label_drive
@@ -68,10 +68,7 @@ def sample_of_drive(folder: Path, *, model: Path, workspace: Path) -> Sample:
     """The labels of a drive that comes with true boxes in its images; EvaluationError where it doesn't."""
     drive = open_drive(folder)
     cameras = tuple(camera.name for camera in drive.cameras)
-    truth = drive.read_truth(drive.frames)
-    table = None if truth is None else prepare_truth(truth, cameras, EvaluationConfig())
-    if table is None:
-        raise EvaluationError(f"The drive {drive.name} has no true boxes in its images.")
+    table = true_boxes_of(drive, EvaluationConfig())
     segmentation = choose_segmentation(None, ModelCache(workspace / "models"), simulated=is_simulated(drive.root))
     labelled = label_drive(
         drive, model=model, segmentation=None if segmentation is None else segmentation.path, workspace=workspace
@@ -83,7 +80,9 @@ def sample_of_drive(folder: Path, *, model: Path, workspace: Path) -> Sample:
         if len(view.observations)
     ]
     times_ns = np.array([frame.timestamp_ns for frame in drive.frames], np.int64)
-    return _sample(drive.name, seen, labelled.identity_of, times_ns, cameras, labelled.class_names, table)
+    return _sample(
+        f"{drive.name}, {model.stem}", seen, labelled.identity_of, times_ns, cameras, labelled.class_names, table
+    )
 
 
 def samples_of_text(root: Path, names: Sequence[str]) -> Iterator[Sample]:
@@ -161,26 +160,18 @@ def _say(title: str, found: Reliability) -> None:
 
 def main() -> None:
     """Fit on some drives and sequences, check on others, write the model."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--model", type=Path, required=True, help="YOLOX file (.onnx) that drives are labelled with")
-    parser.add_argument("--workspace", type=Path, required=True, help="folder that keeps what is done of the drives")
-    parser.add_argument("--fit", type=Path, nargs="*", default=[], help="drives with true boxes to fit on")
-    parser.add_argument("--check", type=Path, nargs="*", default=[], help="other drives, for the reliability tables")
-    parser.add_argument("--text", type=Path, help="folder of text sequences")
-    parser.add_argument("--text-fit", nargs="*", default=[], help="sequences of it to fit on")
-    parser.add_argument("--text-check", nargs="*", default=[], help="other sequences, for the reliability tables")
-    parser.add_argument("--out", type=Path, help="the model to write; without it, the one that ships is checked")
-    options = parser.parse_args()
+    options = parse_options(__doc__)
 
     def samples(drives: Sequence[Path], sequences: Sequence[str]) -> list[Sample]:
-        found = [sample_of_drive(one, model=options.model, workspace=options.workspace) for one in drives]
-        return [*found, *(samples_of_text(options.text, sequences) if options.text else ())]
+        seen = product(drives, options.models)
+        found = [sample_of_drive(one, model=model, workspace=options.workspace) for one, model in seen]
+        return [*found, *options.of_text(sequences, samples_of_text)]
 
     model = shipped()
     if options.out is not None:
         fitted_on = samples(options.fit, options.text_fit)
         model = fit(fitted_on)
-        options.out.write_text(json.dumps(model.to_json(), indent=1) + "\n", encoding="utf-8")
+        options.write(model)
         _say("fitted on", reliability_of(fitted_on, model))
     for one in samples(options.check, options.text_check):
         _say(one.name, reliability_of([one], model))

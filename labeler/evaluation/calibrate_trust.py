@@ -12,11 +12,10 @@ doing.
 
 from __future__ import annotations
 
-import argparse
-import json
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -24,13 +23,14 @@ from numpy.typing import NDArray
 
 from labeler.detection.classes import suppression_group_of
 from labeler.drive import is_simulated, open_drive
+from labeler.evaluation.calibration_command import parse_options
 from labeler.evaluation.categories import class_of_labels
 from labeler.evaluation.counting import ABSORBED, FALSE_LABEL, HIT, Labels2D, judge
 from labeler.evaluation.curve_fitting import FALLS, RISES, fit_curves
 from labeler.evaluation.matching import overlapping_pairs
 from labeler.evaluation.text_sequences import CAMERA, read_sequences
-from labeler.evaluation.truth import TruthTable, image_number, prepare_truth
-from labeler.evaluation.types import EvaluationConfig, EvaluationError
+from labeler.evaluation.truth import TruthTable, image_number, true_boxes_of
+from labeler.evaluation.types import EvaluationConfig
 from labeler.pipeline import LabelSettings, label_drive
 from labeler.pipeline.plan import motion_of
 from labeler.pipeline.results import find_detections
@@ -76,10 +76,7 @@ def samples_of_drive(folder: Path, *, models: Sequence[Path], workspace: Path) -
     """The boxes that each model finds in each camera; EvaluationError where the drive has no true boxes."""
     drive = open_drive(folder)
     cameras = tuple(camera.name for camera in drive.cameras)
-    truth = drive.read_truth(drive.frames)
-    table = None if truth is None else prepare_truth(truth, cameras, EvaluationConfig())
-    if table is None:
-        raise EvaluationError(f"The drive {drive.name} has no true boxes in its images.")
+    table = true_boxes_of(drive, EvaluationConfig())
     weight = _WEIGHT_OF_SIMULATED if is_simulated(drive.root) else 1.0
     for model in models:
         labelled = label_drive(drive, model=model, workspace=workspace, settings=LabelSettings())
@@ -199,35 +196,20 @@ def _say(title: str, samples: Sequence[Sample], model: CurveModel) -> None:
 
 def main() -> None:
     """Fit on some sequences and drives, check on others, write the model."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--model", type=Path, nargs="*", default=[], help="YOLOX files (.onnx) that look at drives")
-    parser.add_argument("--workspace", type=Path, required=True, help="folder that keeps what is done of the drives")
-    parser.add_argument("--fit", type=Path, nargs="*", default=[], help="drives with true boxes to fit on")
-    parser.add_argument("--check", type=Path, nargs="*", default=[], help="other drives, for the tables")
-    parser.add_argument("--text", type=Path, help="folder of text sequences")
-    parser.add_argument("--text-fit", nargs="*", default=[], help="sequences of it to fit on")
-    parser.add_argument("--text-check", nargs="*", default=[], help="other sequences, for the tables")
-    parser.add_argument("--out", type=Path, help="the model to write; without it, the one that ships is checked")
-    options = parser.parse_args()
+    options = parse_options(__doc__)
 
     def of_drives(folders: Sequence[Path]) -> list[Sample]:
-        return [
-            one
-            for folder in folders
-            for one in samples_of_drive(folder, models=options.model, workspace=options.workspace)
-        ]
-
-    def of_text(names: Sequence[str]) -> list[Sample]:
-        return list(samples_of_text(options.text, names)) if options.text else []
+        found = (samples_of_drive(one, models=options.models, workspace=options.workspace) for one in folders)
+        return list(chain.from_iterable(found))
 
     model = shipped()
     if options.out is not None:
-        text, drives = of_text(options.text_fit), of_drives(options.fit)
+        text, drives = options.of_text(options.text_fit, samples_of_text), of_drives(options.fit)
         model = fit([*text, *drives])
-        options.out.write_text(json.dumps(model.to_json(), indent=1) + "\n", encoding="utf-8")
+        options.write(model)
         _say("sequences that it was fitted on", text, model)
         _say("drives that it was fitted on", drives, model)
-    _say("other sequences", of_text(options.text_check), model)
+    _say("other sequences", options.of_text(options.text_check, samples_of_text), model)
     _say("other drives", of_drives(options.check), model)
 
 

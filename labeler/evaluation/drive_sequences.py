@@ -13,7 +13,7 @@ import numpy as np
 from labeler.detection import DetectionConfig, open_detector
 from labeler.drive import Drive
 from labeler.evaluation.sequences import DetectedSequence
-from labeler.evaluation.truth import TruthTable, prepare_truth
+from labeler.evaluation.truth import TruthTable, true_boxes_of
 from labeler.evaluation.types import EvaluationConfig, EvaluationError
 from labeler.pipeline import Progress, plan
 from labeler.pipeline.artifacts import Artifacts
@@ -39,10 +39,7 @@ def sequences_of_drive(
     missing = sorted(set(cameras) - set(names))
     if missing:
         raise EvaluationError(f"{drive.name} has no camera {missing[0]}. It has {', '.join(names)}.")
-    truth = drive.read_truth(drive.frames)
-    table = None if truth is None else prepare_truth(truth, names, config)
-    if table is None:
-        raise EvaluationError(f"The drive {drive.name} has no true boxes in its images.")
+    table = true_boxes_of(drive, config)
     kept = replace(drive, frames=drive.frames[::every])
     detector = open_detector(model, detection)
     artifacts = Artifacts(workspace)

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from labeler.drive.types import Truth, TruthBoxes2D, TruthBoxes3D
+from labeler.drive.types import Drive, Truth, TruthBoxes2D, TruthBoxes3D
 from labeler.evaluation.categories import DONT_CARE, NOT_COUNTED, class_of_category
-from labeler.evaluation.types import EvaluationConfig
+from labeler.evaluation.types import EvaluationConfig, EvaluationError
 from labeler.geometry.boxes_2d import area
 
 
@@ -105,6 +105,15 @@ def prepare_truth(truth: Truth, cameras: Sequence[str], config: EvaluationConfig
         distance_m=distance_m,
         visible_share=_visible_shares(boxes, rows),
     )
+
+
+def true_boxes_of(drive: Drive, config: EvaluationConfig) -> TruthTable:
+    """Those in the images of all of a drive's cameras; EvaluationError where it comes without."""
+    truth = drive.read_truth(drive.frames)
+    table = None if truth is None else prepare_truth(truth, tuple(camera.name for camera in drive.cameras), config)
+    if table is None:
+        raise EvaluationError(f"The drive {drive.name} has no true boxes in its images.")
+    return table
 
 
 def front_cameras(cameras: Sequence[str]) -> tuple[int, ...]:
