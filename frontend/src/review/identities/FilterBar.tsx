@@ -5,10 +5,12 @@ import { typedNumber } from "../../app/typedNumber";
 import { text } from "../../strings";
 import { useReview, useShared } from "../ReviewContext";
 import classes from "./FilterBar.module.css";
-import { CHECKS, type IdentityFilter, NO_FILTER, partsOf, readFilter, writeFilter } from "./filter";
+import { type IdentityFilter, NO_FILTER, partsOf, readFilter, writeFilter } from "./filter";
 import { useSavedFilters } from "./savedFilters";
 
 const words = text.find;
+/** Of what goes from 0 to 1. */
+const SHARE = { max: 1, step: 0.05, decimals: 2 };
 
 /** What is looked for: free text, the parts of the filter, and filters that were kept. */
 export function FilterBar({ classNames }: { classNames: readonly string[] }) {
@@ -63,32 +65,26 @@ interface PartsProps {
 
 function Parts({ filter, change, classNames }: PartsProps) {
   const { drive } = useShared();
-  const choice = { size: "xs", clearable: true, comboboxProps: { withinPortal: false } } as const;
   return (
     <div className={classes.parts}>
-      <Select
-        {...choice}
+      <Choice
         label={text.identities.filterLabel}
         placeholder={text.identities.classFilter}
         value={filter.className}
+        choices={named(classNames)}
         onChange={(className) => change({ className })}
-        data={classNames}
       />
-      <Select
-        {...choice}
+      <Choice
         label={words.camera}
-        placeholder={words.any}
         value={filter.camera}
+        choices={named(drive.camera_names)}
         onChange={(camera) => change({ camera })}
-        data={drive.camera_names}
       />
       <Range
         label={words.score}
         least={filter.minScore}
         most={filter.maxScore}
-        max={1}
-        step={0.05}
-        decimals={2}
+        {...SHARE}
         onChange={(minScore, maxScore) => change({ minScore, maxScore })}
       />
       <Range
@@ -110,40 +106,60 @@ function Parts({ filter, change, classNames }: PartsProps) {
         hint={words.purityHint}
         least={filter.minPurity}
         most={filter.maxPurity}
-        max={1}
-        step={0.05}
-        decimals={2}
+        {...SHARE}
         onChange={(minPurity, maxPurity) => change({ minPurity, maxPurity })}
       />
-      <Select
-        {...choice}
+      <Choice
         label={words.provenance}
-        placeholder={words.any}
         value={filter.provenance}
-        onChange={(provenance) => change({ provenance: provenance as IdentityFilter["provenance"] })}
-        data={Object.entries(words.provenances).map(([value, label]) => ({ value, label }))}
+        choices={words.provenances}
+        onChange={(provenance) => change({ provenance })}
       />
-      <Select
-        {...choice}
+      <Choice
         label={words.reviewed}
-        placeholder={words.any}
         value={filter.reviewed}
-        onChange={(reviewed) => change({ reviewed: reviewed as IdentityFilter["reviewed"] })}
-        data={Object.entries(words.reviewedChoices).map(([value, label]) => ({ value, label }))}
+        choices={words.reviewedChoices}
+        onChange={(reviewed) => change({ reviewed })}
       />
-      <Select
-        {...choice}
+      <Choice
         label={words.fails}
         placeholder={words.anyOrNone}
         value={filter.fails}
-        onChange={(fails) => change({ fails: fails as IdentityFilter["fails"] })}
-        data={[
-          { value: "any", label: words.failsAny },
-          ...CHECKS.map((check) => ({ value: check, label: text.summary.checks[check] })),
-        ]}
+        choices={{ any: words.failsAny, ...text.summary.checks }}
+        onChange={(fails) => change({ fails })}
       />
     </div>
   );
+}
+
+interface ChoiceProps<V extends string> {
+  label: string;
+  /** What stands there while nothing is chosen. */
+  placeholder?: string;
+  value: V | null;
+  /** What each is called, in their order. */
+  choices: Readonly<Record<V, string>>;
+  onChange: (value: V | null) => void;
+}
+
+function Choice<V extends string>({ label, placeholder = words.any, value, choices, onChange }: ChoiceProps<V>) {
+  return (
+    <Select
+      size="xs"
+      clearable
+      comboboxProps={{ withinPortal: false }}
+      label={label}
+      placeholder={placeholder}
+      value={value}
+      onChange={(chosen) => onChange(chosen as V | null)}
+      data={Object.entries<string>(choices).map(([one, name]) => ({ value: one, label: name }))}
+    />
+  );
+}
+
+/** Choices that are called what they are. */
+function named(names: readonly string[]): Record<string, string> {
+  return Object.fromEntries(names.map((name) => [name, name]));
 }
 
 interface RangeProps {
