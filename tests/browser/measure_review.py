@@ -20,9 +20,10 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from playwright.sync_api import Browser, CDPSession, Page, ViewportSize, expect
+from playwright.sync_api import Browser, Page, ViewportSize, expect
 
 from tests.big_drive.making import make_workspace
+from tests.browser.memory import watch_memory
 from tests.browser.serving import serving
 from tests.chromium import headless_chromium
 
@@ -163,9 +164,10 @@ def measure(browser: Browser, address: str, *, minutes: float) -> dict[str, Any]
     figures["accept_answer_ms"] = statistics.median(one["answered"] for one in decided)
     answered = f"the server's answer after {figures['accept_answer_ms']:.0f} ms"
     say("accept to repainted labels", f"{figures['accept_ms']:.0f} ms, {answered} (goal 150)")
-    if minutes > 0:
-        figures["memory"] = memory(page, minutes)
     page.context.close()
+    if minutes > 0:
+        size = SIZE["width"], SIZE["height"]
+        figures["memory"] = watch_memory(address, minutes=minutes, size=size, report=say)
     return figures
 
 
@@ -232,55 +234,6 @@ def accepts(page: Page) -> list[dict[str, float]]:
         if len(found) == MERGES:
             return found
     raise RuntimeError(f"Only {len(found)} of {TRIES} merges could be accepted: make the drive anew.")
-
-
-def memory(page: Page, minutes: float) -> dict[str, list[float]]:
-    """MB of the page's heap after collection, and of decoded pictures and all else in its process, each half minute."""
-    devtools = page.context.new_cdp_session(page)
-    devtools.send("HeapProfiler.enable")
-    seek(page, 0)
-    page.keyboard.press("Space")
-    found: dict[str, list[float]] = {"heap_mb": [], "renderer_mb": []}
-    for sample in range(round(minutes * 2) + 1):
-        if sample:
-            page.wait_for_timeout(30_000)
-        if page.get_by_role("button", name="Play", exact=True).is_visible():
-            page.keyboard.press("Space")  # the drive has ended: from the start again
-        found["heap_mb"].append(round(heap_mb(devtools), 1))
-        found["renderer_mb"].append(round(renderers_mb(), 1))
-        say(
-            f"memory after {sample / 2:.1f} min",
-            f"heap {found['heap_mb'][-1]} MB, renderers {found['renderer_mb'][-1]} MB",
-        )
-    return found
-
-
-def heap_mb(devtools: CDPSession) -> float:
-    devtools.send("HeapProfiler.collectGarbage")
-    return devtools.send("Runtime.getHeapUsage")["usedSize"] / 1e6
-
-
-def renderers_mb() -> float:
-    """Resident memory of the browser's largest renderer below this process, from /proc."""
-    parents: dict[int, int] = {}
-    sizes: dict[int, float] = {}
-    for folder in Path("/proc").iterdir():
-        if not folder.name.isdigit():
-            continue
-        try:
-            status = dict(line.split(":", 1) for line in (folder / "status").read_text().splitlines() if ":" in line)
-            parents[int(folder.name)] = int(status["PPid"])
-            if b"--type=renderer" in (folder / "cmdline").read_bytes():
-                sizes[int(folder.name)] = int(status["VmRSS"].split()[0]) / 1000
-        except (OSError, KeyError):
-            continue  # it has ended meanwhile
-
-    def is_ours(process: int) -> bool:
-        while process in parents and process != os.getpid():
-            process = parents[process]
-        return process == os.getpid()
-
-    return max((size for process, size in sizes.items() if is_ours(process)), default=0.0)
 
 
 def percentile(values: list[float], percent: int) -> float:

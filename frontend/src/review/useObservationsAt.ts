@@ -1,11 +1,17 @@
-import { useEffect, useState, useSyncExternalStore } from "react";
+import { useCallback, useEffect, useState, useSyncExternalStore } from "react";
 import type { Observation } from "../api/types";
+import { afterPaint } from "../app/afterPaint";
 import { useShared } from "./ReviewContext";
 
 /** The observations of any frame, for crops; undefined while they load, empty if they cannot be had. */
 export function useObservationsAt(frame: number | null): readonly Observation[] | undefined {
   const { observations } = useShared();
-  const version = useSyncExternalStore(observations.subscribe, observations.currentVersion);
+  // What is large comes first: crops follow once the new labels are on the screen.
+  const subscribe = useCallback(
+    (listener: () => void) => observations.subscribe(() => afterPaint(listener)),
+    [observations],
+  );
+  const version = useSyncExternalStore(subscribe, observations.currentVersion);
   const [state, setState] = useState<{ frame: number | null; list: readonly Observation[] }>();
 
   // biome-ignore lint/correctness/useExhaustiveDependencies: `version` says when to look again.
