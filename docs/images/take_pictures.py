@@ -1,6 +1,6 @@
 """Take the pictures of the review page: dark and light, of the drive that ships with Hindsight.
 
-    hindsight demo --model yolox_nano.onnx --no-serve --workspace FOLDER
+    hindsight demo --no-serve --workspace FOLDER
     hindsight serve --workspace FOLDER --port 8000 --no-open &
     python docs/images/take_pictures.py http://127.0.0.1:8000
 

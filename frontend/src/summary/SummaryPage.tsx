@@ -1,4 +1,4 @@
-import { Button, Loader, Progress } from "@mantine/core";
+import { Button, Loader, Progress, Skeleton } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { useState } from "react";
 import { Link } from "wouter";
@@ -106,8 +106,9 @@ function Scores({ histogram }: { histogram: LabelHistogram }) {
 
 /** How much of what waits for a person is answered. */
 function Reviewed({ drive }: { drive: DriveDetail }) {
-  const merges = useQuery(mergesQuery(drive.id)).data ?? [];
-  const identities = useQuery(identitiesQuery(drive.id)).data ?? [];
+  const { data: merges } = useQuery(mergesQuery(drive.id));
+  const { data: identities } = useQuery(identitiesQuery(drive.id));
+  if (!merges || !identities) return <Skeleton h={110} />;
   const answered = merges.filter((merge) => merge.decided_by === "person").length;
   const all = answered + merges.filter((merge) => merge.state === "proposed").length;
   const reviewed = identities.filter(isReviewed).length;

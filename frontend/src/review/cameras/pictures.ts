@@ -38,7 +38,13 @@ export function pictureWidth(devicePx: number, originalPx: number): number | und
 
 /** Cut-outs of original pictures, a few at a time: what is asked for at once in its order, the newest of that first. */
 export class CropStore {
-  private readonly crops = new LeastRecentlyUsed<string, Promise<ImageBitmap | null>>(CROPS_KEPT);
+  /** Who waits for one that is dropped draws it before it is closed. */
+  private readonly crops = new LeastRecentlyUsed<string, Promise<ImageBitmap | null>>(CROPS_KEPT, (crop) => {
+    crop.then(
+      (picture) => picture?.close(),
+      () => undefined,
+    );
+  });
   private readonly first: (() => Promise<void>)[] = [];
   private readonly waiting: (() => Promise<void>)[][] = [];
   /** What is being asked for at once. */

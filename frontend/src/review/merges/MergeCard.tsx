@@ -1,5 +1,6 @@
 import { Alert, Button, Text, Tooltip } from "@mantine/core";
 import { IconAlertTriangle, IconArrowBackUp, IconCheck, IconX } from "@tabler/icons-react";
+import { memo } from "react";
 import type { Merge } from "../../api/types";
 import { metres, score, sentence } from "../../app/format";
 import { text } from "../../strings";
@@ -13,8 +14,8 @@ import { type Decision, useRefusals } from "./useDecisions";
 interface MergeCardProps {
   merge: Merge;
   open: boolean;
-  onOpen: () => void;
-  onDecide: (decision: Decision) => void;
+  onOpen: (merge: Merge) => void;
+  onDecide: (merge: Merge, decision: Decision) => void;
   /** Of the panel (px): an open card's crops share it. */
   width: number;
 }
@@ -26,13 +27,13 @@ const MOST_MEASURES = 3;
 const MARKS = { 1: "+ ", [-1]: "− ", 0: "" };
 
 /** One claim that two tracks are one object: both looks side by side, the evidence, and the decision. */
-export function MergeCard({ merge, open, onOpen, onDecide, width }: MergeCardProps) {
+export const MergeCard = memo(function MergeCard({ merge, open, onOpen, onDecide, width }: MergeCardProps) {
   const refusal = useRefusals((state) => state.byMerge[merge.id]);
   const large = Math.floor((width - PANEL_SPACE_PX) / 2);
   const size = open ? { width: large, height: Math.round(large * 0.64) } : SMALL;
   return (
     <article className={classes.card} data-open={open || undefined}>
-      <button type="button" className={classes.face} onClick={onOpen} aria-expanded={open}>
+      <button type="button" className={classes.face} onClick={() => onOpen(merge)} aria-expanded={open}>
         <MergeSides merge={merge} size={size} open={open} />
         {!open && (
           <span className={classes.summary}>
@@ -74,13 +75,13 @@ export function MergeCard({ merge, open, onOpen, onDecide, width }: MergeCardPro
             </Alert>
           )}
           <div className={classes.decide}>
-            <Decide merge={merge} onDecide={onDecide} />
+            <Decide merge={merge} onDecide={(decision) => onDecide(merge, decision)} />
           </div>
         </>
       )}
     </article>
   );
-}
+});
 
 /** What was measured of tracks that are seen at the same time. */
 function TogetherFacts({ merge }: { merge: Merge }) {

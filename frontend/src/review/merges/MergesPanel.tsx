@@ -2,10 +2,10 @@ import { SegmentedControl, Skeleton, Stack } from "@mantine/core";
 import { IconChecks, IconGitMerge } from "@tabler/icons-react";
 import { useQuery } from "@tanstack/react-query";
 import { useVirtualizer } from "@tanstack/react-virtual";
-import { useEffect, useMemo, useRef } from "react";
+import { useCallback, useEffect, useMemo, useRef } from "react";
 import { messageOf } from "../../api/client";
 import { mergesQuery } from "../../api/queries";
-import type { MergeState } from "../../api/types";
+import type { Merge, MergeState } from "../../api/types";
 import { count } from "../../app/format";
 import { Notice } from "../../app/Notice";
 import { text } from "../../strings";
@@ -15,7 +15,7 @@ import rowClasses from "../rows.module.css";
 import { MergeCard } from "./MergeCard";
 import classes from "./MergesPanel.module.css";
 import { mergesOf } from "./order";
-import { useDecisions } from "./useDecisions";
+import { type Decision, useDecisions } from "./useDecisions";
 
 const STATES: MergeState[] = ["proposed", "accepted", "rejected", "unsure"];
 const NONE: Record<MergeState, string> = {
@@ -37,6 +37,11 @@ export function MergesPanel({ shown, onShow, width }: MergesPanelProps) {
   const { data, error, refetch, isPending } = useQuery(mergesQuery(driveId));
   const mergeId = useReview((state) => state.mergeId);
   const { decide, open } = useDecisions();
+  // Cards whose merge stays as it is are not made anew.
+  const latest = useRef({ decide, open });
+  latest.current = { decide, open };
+  const onOpen = useCallback((merge: Merge) => latest.current.open(merge), []);
+  const onDecide = useCallback((merge: Merge, decision: Decision) => latest.current.decide(merge, decision), []);
   const scroller = useRef<HTMLDivElement>(null);
   const list = useMemo(() => mergesOf(data ?? [], shown), [data, shown]);
 
@@ -125,8 +130,8 @@ export function MergesPanel({ shown, onShow, width }: MergesPanelProps) {
                       <MergeCard
                         merge={merge}
                         open={merge.id === mergeId}
-                        onOpen={() => open(merge)}
-                        onDecide={(decision) => decide(merge, decision)}
+                        onOpen={onOpen}
+                        onDecide={onDecide}
                         width={width}
                       />
                     </li>
