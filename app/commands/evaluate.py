@@ -35,6 +35,12 @@ def evaluate(
     classes: Annotated[
         ClassMode, typer.Option(help="aware: a label of another class is false. agnostic: classes are not compared.")
     ] = ClassMode.AWARE,
+    true_identities: Annotated[
+        bool,
+        typer.Option(
+            "--true-identities", help="Count labels as if tracks were merged by the truth: merging's ceiling."
+        ),
+    ] = False,
     report: Annotated[
         Path | None, typer.Option(help="Write a report with plots to this HTML file.", show_default=False)
     ] = None,
@@ -46,7 +52,7 @@ def evaluate(
     if model is not None:
         with open_executor("processes") as executor:
             label_into_store(settings, drive, scene=scene, input_size=input_size, executor=executor)
-    found = evaluate_drive(settings, drive, scene=scene, config=config)
+    found = evaluate_drive(settings, drive, scene=scene, config=config, merge_by_truth=true_identities)
     if report is not None:
         write_report(report, found)
         say(f"The report is in {report}.")
@@ -56,10 +62,21 @@ def evaluate(
         show(found)
 
 
-def evaluate_drive(settings: Settings, folder: Path, *, scene: str | None, config: EvaluationConfig) -> Evaluation:
-    """Evaluate the labels that the workspace holds of the drive in a folder. HindsightError where it holds none."""
+def evaluate_drive(
+    settings: Settings, folder: Path, *, scene: str | None, config: EvaluationConfig, merge_by_truth: bool = False
+) -> Evaluation:
+    """Evaluate the labels that the workspace holds of the drive in a folder, or what they would be were its tracks
+    merged by the truth. HindsightError where it holds none."""
     with open_stored_labels(settings, folder, scene=scene) as found, found.store.read() as session:
-        return evaluate_labelling(session, settings, found.drive, found.labelling, found.recorded, config=config)
+        return evaluate_labelling(
+            session,
+            settings,
+            found.drive,
+            found.labelling,
+            found.recorded,
+            config=config,
+            merge_by_truth=merge_by_truth,
+        )
 
 
 def show(evaluation: Evaluation) -> None:

@@ -17,6 +17,7 @@ from app.settings import Settings
 from app.tracks import repository as tracks_repository
 from app.tracks.models import LabellingRow
 from labeler.drive import Drive
+from labeler.evaluation.ceiling import with_true_identities
 from labeler.evaluation.evaluate import evaluate_labels
 from labeler.evaluation.sources import FRAMES_PER_PART, detections_of_result
 from labeler.evaluation.types import BoxRows, EvaluatedLabels, Evaluation, EvaluationConfig, EvaluationError, LabelRows
@@ -43,8 +44,10 @@ def evaluate_labelling(
     recorded: Drive,
     *,
     config: EvaluationConfig,
+    merge_by_truth: bool = False,
 ) -> Evaluation:
-    """Evaluate one labelling of a drive; NoTruth where the drive comes without true boxes in its images."""
+    """Evaluate one labelling of a drive, or what it would be were its tracks merged by the truth; NoTruth where the
+    drive comes without true boxes in its images."""
     cameras = tuple(camera.name for camera in recorded.cameras)
     names = tracks_repository.camera_names(session, row.id)
     gone = sorted(set(names.values()) - set(cameras))
@@ -68,6 +71,8 @@ def evaluate_labelling(
         open_detections=detections_of_result(settings.workspace, labelling.key, cameras),
     )
     truth = recorded.read_truth(recorded.frames)
+    if merge_by_truth and truth is not None and truth.boxes_2d is not None:
+        source = with_true_identities(source, truth.boxes_2d)
     try:
         return evaluate_labels(source, truth, drive_name=row.name, config=config)
     except EvaluationError as error:

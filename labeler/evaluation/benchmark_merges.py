@@ -17,11 +17,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from labeler.detection.classes import suppression_group_of
+from labeler.drive import Poses
 from labeler.evaluation.made_observations import NOTHING, MadeFrame, Noise, Scene, make_frames
 from labeler.evaluation.made_observations.noise import CLASS_NAMES
 from labeler.evaluation.matching import overlapping_pairs
 from labeler.evaluation.tracking import TrackingRows, idf1
 from labeler.identity import CameraView, IdentityConfig, MultiCameraFrame, Rig, SharedFrames, find_merges
+from labeler.pipeline.plan import motion_over
 from labeler.tracking import DetectedFrame, Observations, TrackingConfig, open_tracker
 
 METHODS: Mapping[str, str] = {"baseline": "baseline", "ours": "assignment"}
@@ -118,6 +120,7 @@ def benchmark_merges(
 def track_scene(scene: Scene, noise: Noise, config: TrackingConfig) -> TrackedScene:
     """Make observations and track them in each camera."""
     groups = tuple(suppression_group_of(CLASS_NAMES).tolist())
+    poses = Poses(scene.timestamp_ns, scene.city_SE3_ego)
     made = list(make_frames(scene, noise))
     views: list[dict[str, CameraView]] = [{} for _ in made]
     votes: dict[int, Counter[int]] = {}
@@ -126,7 +129,9 @@ def track_scene(scene: Scene, noise: Noise, config: TrackingConfig) -> TrackedSc
     shared = SharedFrames()
     for number, camera in enumerate(scene.cameras, start=1):
         looking = [frame[camera.name] for frame in made if camera.name in frame]
-        tracker = open_tracker(config, class_groups=groups)
+        times_ns = [one.timestamp_ns for one in looking]
+        motion = motion_over(camera, poses, times_ns, CLASS_NAMES, config)
+        tracker = open_tracker(config, class_groups=groups, motion=motion)
         detected = (DetectedFrame(one.frame_index, one.timestamp_ns, one.detections) for one in looking)
         tracks = tracker.track(detected, first_track_id=number * TRACK_IDS_PER_CAMERA + 1)
         for one, seen in zip(looking, tracks, strict=True):

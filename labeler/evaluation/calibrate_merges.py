@@ -18,7 +18,7 @@ import sys
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
-from itertools import chain, pairwise, product
+from itertools import pairwise, product
 from pathlib import Path
 
 import numpy as np
@@ -41,6 +41,8 @@ from labeler.tracking import TrackingConfig
 
 _MAX_KNOTS = 8
 _RIDGE = 1.0
+_DETECTED_WEIGHT = 4
+"""So often does a detector's pair count: there are fewer of them than of made ones, and they are what users have."""
 _FALLS, _RISES = -1, 1
 _DIRECTION = {
     "distance_sigmas": _FALLS,
@@ -201,18 +203,19 @@ def _made(drives: Sequence[Path], first_seed: int, max_frames: int | None) -> It
 
 
 def _detected(drives: Sequence[Path], models: Sequence[Path], workspace: Path | None) -> Iterator[OwnedTracks]:
-    """Tracks of each model's detections by each tracker."""
-    for path in drives:
-        drive = open_drive(path)
-        for model, tracker in product(models, ("offline", "two_stage")):
-            assert workspace is not None
-            settings = LabelSettings(tracking=TrackingConfig(method=tracker))
-            yield of_detector(drive, model, workspace=workspace, settings=settings)
-            sys.stderr.write(f"{path.name}, {model.name}, {tracker} done\n")
+    """Tracks of each model's detections."""
+    for path, model in product(drives, models):
+        assert workspace is not None
+        yield of_detector(open_drive(path), model, workspace=workspace, settings=LabelSettings())
+        sys.stderr.write(f"{path.name}, {model.name} done\n")
 
 
-def _gather(tracks: Iterable[OwnedTracks]) -> dict[MergeKind, Sample]:
-    samples = [samples_of(some) for some in tracks]
+def _gather(*sources: tuple[Iterable[OwnedTracks], int]) -> dict[MergeKind, Sample]:
+    """The candidates of all tracks, each as often as its source weighs."""
+    samples: list[dict[MergeKind, Sample]] = []
+    for tracks, weight in sources:
+        for some in tracks:
+            samples += [samples_of(some)] * weight
     return {kind: Sample.joined([of_some[kind] for of_some in samples]) for kind in MergeKind}
 
 
@@ -231,7 +234,7 @@ def main() -> None:
     if (options.fit_detected or options.check_detected) and not (options.model and options.workspace):
         parser.error("--fit-detected and --check-detected need --model and --workspace")
     detected = partial(_detected, models=options.model, workspace=options.workspace)
-    samples = _gather(chain(_made(options.fit, 0, options.frames), detected(options.fit_detected)))
+    samples = _gather((_made(options.fit, 0, options.frames), 1), (detected(options.fit_detected), _DETECTED_WEIGHT))
     for kind, sample in samples.items():
         sys.stdout.write(f"{kind.value}: {len(sample.is_one)} pairs, {int(sample.is_one.sum())} of one object\n")
     calibration = fit(samples)
@@ -241,7 +244,7 @@ def main() -> None:
         "detected": detected(options.check_detected),
     }
     for source, tracks in checks.items():
-        for kind, low, high, count, share in reliability(calibration, _gather(tracks)):
+        for kind, low, high, count, share in reliability(calibration, _gather((tracks, 1))):
             sys.stdout.write(f"{source:8} {kind:9} {low:4.2f} to {high:4.2f}: {count:6} pairs, {share:.3f} came true\n")
 
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,28 +18,31 @@ _TRUSTED = 0.5
 
 
 class TrackLabels:
-    """Labels as propagation gives them when every track is an identity of its own."""
+    """Labels as propagation gives them under other identities than the run's: by default every track is its own."""
 
-    def __init__(self, source: EvaluatedLabels) -> None:
-        """Reads all labels of ``source`` once."""
+    def __init__(self, source: EvaluatedLabels, identity_of: Mapping[int, int] = MappingProxyType({})) -> None:
+        """Reads all labels of ``source`` once. A track that ``identity_of`` lacks is its own identity."""
+        self._identity_of = identity_of
         self._config = replace(source.propagation, min_trust=_TRUSTED)
         self._timestamp_ns = source.timestamp_ns if self._config.window_s else None  # else no time is asked for
-        self._votes = collect_votes(_parts(source), {}, config=self._config, timestamp_ns=self._timestamp_ns)
+        self._votes = collect_votes(_parts(source), identity_of, config=self._config, timestamp_ns=self._timestamp_ns)
 
     def of(self, part: LabelRows) -> tuple[NDArray[np.int16], NDArray[np.float32]]:
         """(N,) class id and (N,) score of each row's label; of the row itself where its label is withheld."""
         labels = label_observations(
-            _observations(part), {}, self._votes, config=self._config, timestamp_ns=self._timestamp_ns
+            observations_of(part), self._identity_of, self._votes, config=self._config, timestamp_ns=self._timestamp_ns
         )
         return labels.class_id, labels.score
 
 
 def _parts(source: EvaluatedLabels) -> Iterator[tuple[str, Observations]]:
     for part in source.open_labels():
-        yield "", _observations(part)
+        yield "", observations_of(part)
 
 
-def _observations(part: LabelRows) -> Observations:
+def observations_of(part: LabelRows) -> Observations:
+    """The observations of a part as far as labels follow from them; of withheld ones it is known that nobody trusts
+    them."""
     own = part.own
     return Observations(
         track_id=part.track_id,

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from labeler.detection import DetectionConfig, Detector
 from labeler.detection.classes import suppression_group_of
-from labeler.drive import Camera, Drive, Frame, ImageFile, SweepFile
+from labeler.drive import Camera, Drive, Frame, ImageFile, Poses, SweepFile
 from labeler.identity import Decisions, IdentityConfig, Rig, calibration
 from labeler.lidar import LidarConfig, usual_sizes_m
 from labeler.pipeline.artifacts import Artifacts, key_of
@@ -158,14 +158,21 @@ def track_units(drive: Drive, clips: Clips, classes: Classes, config: TrackingCo
 
 
 def motion_of(drive: Drive, camera: str, class_names: Sequence[str], config: TrackingConfig) -> CameraMotion | None:
-    """How a camera moves, for its tracker; None where it is not known, or ``config`` does without it."""
+    """How a camera of a drive moves, for its tracker; None where it is not known, or ``config`` does without it."""
+    times_ns = [frame.images[camera].timestamp_ns for frame in drive.frames if camera in frame.images]
+    return motion_over(drive.camera(camera), drive.poses, times_ns, class_names, config)
+
+
+def motion_over(
+    camera: Camera, poses: Poses | None, times_ns: Sequence[int], class_names: Sequence[str], config: TrackingConfig
+) -> CameraMotion | None:
+    """How a camera moves over the times of its images; None as above."""
     if config.ego_motion == "none" or config.method == "baseline":
         return None
     height_m = usual_sizes_m(np.arange(len(class_names)), tuple(class_names))[:, 2]
     if config.ego_motion == "rotation":
         height_m = np.full(len(class_names), np.inf)  # seen as from far away, where only turns count
-    times_ns = [frame.images[camera].timestamp_ns for frame in drive.frames if camera in frame.images]
-    return CameraMotion.of(drive.camera(camera), drive.poses, times_ns, height_m)
+    return CameraMotion.of(camera, poses, times_ns, height_m)
 
 
 def first_track_id(camera_number: int) -> int:

@@ -74,6 +74,14 @@ class TrackingConfig:
     min_iou_back: float = 0.5
     """Offline: the least overlap of a detection with a track that is followed back."""
 
+    min_iou_double: float = 0.5
+    """Offline: two tracks are of one object where their boxes overlap by at least this much in ``double_share`` of the
+    frames that have both; then the one that was seen worse loses the boxes that lie on the other's. 1: only where they
+    are the same."""
+
+    double_share: float = 0.5
+    """Offline: see ``min_iou_double``."""
+
     refine: bool = True
     """Offline: boxes of observations are those of the smooth path; False keeps the detector's own."""
 
@@ -105,7 +113,15 @@ class TrackingConfig:
                 f"Tracking setting min_score ({self.min_score}) must not exceed birth_score ({self.birth_score}): "
                 "a detection that may begin a track must be one that may continue it."
             )
-        for name in ("min_iou", "min_iou_sure", "min_iou_weak", "min_iou_stitch", "min_iou_back"):
+        for name in (
+            "min_iou",
+            "min_iou_sure",
+            "min_iou_weak",
+            "min_iou_stitch",
+            "min_iou_back",
+            "min_iou_double",
+            "double_share",
+        ):
             if not 0 < getattr(self, name) <= 1:
                 raise TrackingError(
                     f"Tracking setting {name} must be above 0 and at most 1, got {getattr(self, name)}."

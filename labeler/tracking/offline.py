@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from labeler.tracking.camera_motion import CameraMotion, TracksMotion
 from labeler.tracking.config import TrackingConfig
+from labeler.tracking.doubles import SeenBoxes, are_doubles
 from labeler.tracking.extension import extend_back
 from labeler.tracking.frames import NS_PER_S, with_usable_detections
 from labeler.tracking.smoothing import Paths, TrackBoxes, smooth
@@ -264,10 +265,14 @@ class _Mended:
         if not config.refine:
             boxes[at] = tracks.boxes.xyxy_px
         kept = (seen != NO_DETECTION) | _in_short_gap(seen, paths, window.time_s, config.max_gap_s)
+        class_id = window.class_id[_last_seen(seen, seen != NO_DETECTION)]
+        score = np.where(seen == NO_DETECTION, np.nan, window.score[seen])
+        kept[kept] = ~are_doubles(
+            SeenBoxes(paths.track[kept], paths.frame[kept], boxes[kept], score[kept], tracks.group), config
+        )
         seen, track, frame, boxes = seen[kept], paths.track[kept], paths.frame[kept], boxes[kept]
+        score = score[kept]
         is_seen = seen != NO_DETECTION
-        score = np.full(len(seen), np.nan)
-        score[is_seen] = window.score[seen[is_seen]]
         judged = JudgedBoxes(track, frame, window.time_s[frame], score, on_path[kept], boxes)
         index = np.full(len(seen), NO_DETECTION, np.intp)
         index[is_seen] = window.row[seen[is_seen]]
@@ -277,7 +282,7 @@ class _Mended:
             frame_index=window.frame_index[frame[order]],
             xyxy_px=boxes[order].astype(np.float32),
             score=score[order].astype(np.float32),
-            class_id=window.class_id[_last_seen(seen, is_seen)][order],
+            class_id=class_id[kept][order],
             detection_index=index[order].astype(np.int32),
             trust=judge(features_of(judged))[order].astype(np.float32),
         )

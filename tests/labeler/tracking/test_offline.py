@@ -98,10 +98,17 @@ def test_a_loose_weak_box_is_refined() -> None:
     assert follow(*frames, config=replace(CONFIG, refine=False))[10].xyxy_px[0].tolist() == [0, 100, 20, 130]
 
 
+def test_of_two_tracks_on_one_object_the_weaker_has_no_boxes_there() -> None:
+    frames = [frame(i, car(100, 0.9), *([car(100, 0.4, y=104)] if i < 5 else [])) for i in range(10)]
+    observed = follow(*frames)
+    assert ids(observed) == [ids(observed)[0]] * 10
+    assert [observations.score.tolist() for observations in observed] == [[pytest.approx(0.9)]] * 10
+
+
 def test_weak_tracks_take_nothing_from_sure_ones() -> None:
     """A weak object was there first; the sure one that lies over it in frame 5 keeps its detections."""
     frames = [frame(i, car(100, 0.4, y=104), *([car(100, 0.9)] if i >= 5 else [])) for i in range(10)]
-    observed = follow(*frames)
+    observed = follow(*frames, config=replace(CONFIG, min_iou_double=1))
     sure = [o.track_id[o.score > 0.5].tolist() for o in observed[5:]]
     assert sure == [sure[0]] * 5
     assert all(len(observations) == 2 for observations in observed[5:])
