@@ -101,10 +101,11 @@ class CameraMotion:
             angle_rad = np.arccos(np.clip((np.trace(turn, axis1=1, axis2=2) - 1) / 2, -1.0, 1.0))
             known = (np.linalg.norm(way_m, axis=1) <= _FASTEST_M_S * dt_s) & (angle_rad <= _FASTEST_TURN_RAD_S * dt_s)
         known &= (before >= 0) & (after >= 0)
-        homography = self.intrinsics @ turn @ np.linalg.inv(self.intrinsics)
-        shift = way_m @ self.intrinsics.T
-        homography[~known], shift[~known] = np.eye(3), 0.0
-        return Steps(homography, shift, float(self.intrinsics[1, 1]))
+        matrix = np.empty((len(known), 3, 4))
+        matrix[:, :, :3] = self.intrinsics @ turn @ np.linalg.inv(self.intrinsics)
+        matrix[:, :, 3] = way_m @ self.intrinsics.T
+        matrix[~known] = np.eye(3, 4)
+        return Steps(np.ascontiguousarray(matrix.transpose(1, 2, 0)), float(self.intrinsics[1, 1]))
 
     @cached_property
     def _from_row_to_next(self) -> Steps:
@@ -121,41 +122,39 @@ class CameraMotion:
 
 @dataclass(frozen=True, eq=False)
 class Steps:
-    """N motions of a camera: ``homography`` (N, 3, 3) of its turn, ``shift`` (N, 3) in pixels times metres of its way,
-    and the focal length that heights are seen with."""
+    """N motions of a camera: ``matrix`` (3, 4, N) is the homography of its turn, and in the last column its way, in
+    pixels times metres; ``focal_px`` is the focal length that heights are seen with."""
 
-    homography: _Array
-    shift: _Array
+    matrix: _Array
     focal_px: float
 
     def __getitem__(self, rows: slice | NDArray[np.integer]) -> Steps:
-        return Steps(self.homography[rows], self.shift[rows], self.focal_px)
+        return Steps(self.matrix[:, :, rows], self.focal_px)
 
     def displacements(self, position: _Array, height_m: _Array) -> _Array:
         """(4, B) how far boxes (4, B) of things ``height_m`` (B,) tall that stand still move in the image, each by its
         own step or all by the only one: in centre x, centre y, width and height. 0 for those that pass the camera."""
         x, y, width, height = position
-        half_width, half_height = width / 2, height / 2
-        points = np.ones((3, 4, len(x)))  # the middles of the left, right, upper and lower side
-        points[0] = x
-        points[1] = y
-        points[0, 0] -= half_width
-        points[0, 1] += half_width
-        points[1, 2] -= half_height
-        points[1, 3] += half_height
         inverse_depth = np.maximum(height, 0.0) / (self.focal_px * height_m)
-        if len(self.homography) == 1:
-            seen = (self.homography[0] @ points.reshape(3, -1)).reshape(points.shape)
-            seen += self.shift[0][:, None, None] * inverse_depth
-        else:
-            seen = np.einsum("nij,jkn->ikn", self.homography, points)
-            seen += self.shift.T[:, None] * inverse_depth
-        ratio = seen[2]
+        of_x, of_y, of_one, of_depth = self.matrix.swapaxes(0, 1)
+        center = of_x * x + of_y * y + of_one + of_depth * inverse_depth  # (3, B), homogeneous
+        # the middles of the left and right side (in x), and of the upper and lower one (in y), over their depths as
+        # shares of those before
+        place, ratio = np.empty((2, 4, len(x)))
+        for side, axis, half in ((0, 0, of_x * (width / 2)), (2, 1, of_y * (height / 2))):
+            np.subtract(center[axis], half[axis], out=place[side])
+            np.add(center[axis], half[axis], out=place[side + 1])
+            np.subtract(center[2], half[2], out=ratio[side])
+            np.add(center[2], half[2], out=ratio[side + 1])
         sound = ((ratio > _LEAST_DEPTH_RATIO) & (ratio < _MOST_DEPTH_RATIO)).all(axis=0)
-        seen = seen[:2] / np.where(sound, ratio, 1.0)
-        left, right, top, bottom = seen[0, 0], seen[0, 1], seen[1, 2], seen[1, 3]
-        carried = np.stack([(left + right) / 2, (top + bottom) / 2, right - left, bottom - top])
-        return np.where(sound, carried - position, 0.0)
+        place /= np.where(sound, ratio, 1.0)
+        moved = np.empty((4, len(x)))
+        np.add(place[::2], place[1::2], out=moved[:2])
+        moved[:2] *= 0.5
+        np.subtract(place[1::2], place[::2], out=moved[2:])
+        moved -= position
+        moved *= sound
+        return moved
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,16 +167,15 @@ class TracksMotion:
 
     def between(self, position: _Array, track: NDArray[np.int64], before: _Rows, after: _Rows) -> _Array:
         """(4, B) how far boxes (4, B) of tracks (B,) move from frames ``before`` (B,) to frames ``after`` (B,)."""
-        return self.camera.steps(before, after).displacements(position, self.height_m[track])
+        count = len(self.camera.timestamp_ns)
+        pairs, which = np.unique(before * count + after, return_inverse=True)  # many boxes go the same way
+        steps = self.camera.steps(*np.divmod(pairs, count))[which]
+        return steps.displacements(position, self.height_m[track])
 
-    def into_frame(self, position: _Array, track: NDArray[np.int64], frame: NDArray[np.int64]) -> _Array:
-        """(4, B) the same from the frame before ``frame`` (B,)."""
-        return self._into_each[frame].displacements(position, self.height_m[track])
-
-    @cached_property
-    def _into_each(self) -> Steps:
-        frame = np.arange(len(self.camera.timestamp_ns))
-        return self.camera.steps(np.maximum(frame - 1, 0), frame)
+    def into_frames(self, track: NDArray[np.int64], frame: NDArray[np.int64]) -> tuple[Steps, _Array]:
+        """What boxes of tracks (N,) need to come into frames (N,) from the ones before: the steps, and heights (N,)."""
+        every = np.arange(len(self.camera.timestamp_ns))
+        return self.camera.steps(np.maximum(every - 1, 0), every)[frame], self.height_m[track]
 
 
 def _sound(poses: Poses) -> Poses:

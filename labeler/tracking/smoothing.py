@@ -123,15 +123,14 @@ class _Plan:
 
     ``track`` and ``frame`` (R,) are those of the paths: by track, then frame. The filters work on rows by step, which
     is how many frames the track has been there for, then by track, the longest first: so those that go on are the first
-    of each step. ``row_of_path`` (R,) leads from paths to these rows and ``path_of_row`` (R,) back, ``start`` (S + 1,)
-    is where each step's begin, ``dt_s`` (R,) the time since the track's row of the step before, 0 in the first.
-    ``box_row`` (N,) is the row of each box.
+    of each step. ``row_of_path`` (R,) leads from paths to these rows, ``start`` (S + 1,) is where each step's begin,
+    ``dt_s`` (R,) the time since the track's row of the step before, 0 in the first. ``box_row`` (N,) is the row of each
+    box.
     """
 
     track: NDArray[np.int64]
     frame: NDArray[np.int64]
     row_of_path: NDArray[np.intp]
-    path_of_row: NDArray[np.intp]
     start: NDArray[np.intp]
     dt_s: _Array
     box_row: NDArray[np.intp]
@@ -153,14 +152,11 @@ class _Plan:
         steps_s = np.diff(time_s, prepend=time_s[:1]).round(12)  # an even rate gives equal steps
         dt_s = np.empty(len(number))
         dt_s[row_of_path] = np.where(step > 0, steps_s[frame], 0.0)
-        path_of_row = np.empty(len(number), np.intp)
-        path_of_row[row_of_path] = np.arange(len(number))
         own = np.repeat(np.arange(len(starts)), stops - starts)
         return _Plan(
             track=boxes.track[starts][number],
             frame=frame,
             row_of_path=row_of_path,
-            path_of_row=path_of_row,
             start=start,
             dt_s=dt_s,
             box_row=start[boxes.frame - first[own]] + place_of[own],
@@ -185,6 +181,10 @@ def _filter(
     box_start = np.searchsorted(row, plan.start).tolist()
     least, most = np.minimum.reduceat(plan.dt_s, plan.start[:-1]), np.maximum.reduceat(plan.dt_s, plan.start[:-1])
     filtered, predicted = np.empty((2, 14, len(plan.track)))
+    path_of_row = np.argsort(plan.row_of_path)
+    into, height_m = None, np.zeros(0)
+    if motion is not None:
+        into, height_m = motion.into_frames(plan.track[path_of_row], plan.frame[path_of_row])
     start = plan.start.tolist()
     filters.add(measured[: start[1]])  # a track begins with a box
     predicted[:, : start[1]] = filtered[:, : start[1]] = filters.state
@@ -192,9 +192,8 @@ def _filter(
         begin, end = start[step], start[step + 1]
         filters.keep_first(end - begin)
         dt_s = plan.dt_s[begin:end]
-        if motion is not None:
-            path = plan.path_of_row[begin:end]
-            filters.move(motion.into_frame(filters.state[POSITION], plan.track[path], plan.frame[path]))
+        if into is not None:
+            filters.move(into[begin:end].displacements(filters.state[POSITION], height_m[begin:end]))
         if is_even:
             filters.predict(float(dt_s[0]))
         else:
