@@ -13,13 +13,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from labeler.geometry.se3 import invert_se3
+from labeler.geometry.se3 import invert_se3, transform_points
 from labeler.identity.colours import likeness
 from labeler.identity.config import IdentityConfig
 from labeler.identity.rig import Rig
 from labeler.identity.smoothing import predict
 from labeler.identity.together import PairBook, Together, pairs_worth_a_look
-from labeler.identity.tracks import TrackBook, TrackEnd, TrackRecord
+from labeler.identity.tracks import TrackBook, TrackRecord
 from labeler.identity.types import MergeKind
 
 OVERLAP_FEATURES: tuple[tuple[str, str], ...] = (
@@ -70,6 +70,7 @@ _STILL_REACH_M = 5.0
 _GATE_M, _GATE_MPS = 4.0, 5.0
 _OVERLAPPING_ENDS_S = 0.3
 _MIDDLE_M = 0.8
+_NEAREST_M = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,7 +148,10 @@ def gap_candidates(
     in_gate = (sigmas < _GATE_SIGMAS) | (still_m < _STILL_REACH_M)
     rival = _rivals(np.where(np.isfinite(still_m), np.minimum(sigmas, still_m / 0.5), sigmas), first, second)
     uncertainty_m = np.power(np.maximum(np.linalg.det(cov[:, :2, :2]), 1e-12), 0.25)
-    sees = _Sees(rig, camera_names)
+    camera = np.array([record.camera for record in records])
+    sees_begin = _sees(rig, camera_names, camera[first], begins.frame_index[second], begins.mean[second, :2])
+    sees_end = _sees(rig, camera_names, camera[second], ends.frame_index[first], ends.mean[first, :2])
+    expected = (sees_begin + sees_end) / 2
     found: dict[tuple[int, int], Candidate] = {}
     # Of two short tracks each may seem to come first: the longer gap is the last, and holds.
     for row in sorted(np.flatnonzero(in_gate).tolist(), key=lambda row: float(gap_s[row])):
@@ -162,7 +166,7 @@ def gap_candidates(
             uncertainty_m[row],
             still_m[row],
             rival[row],
-            (sees(a.camera, b.begin) + sees(b.camera, a.end)) / 2,
+            expected[row],
             (a.end.edge + b.begin.edge) / 2,
             *_of_both(a, b, rig),
         )
@@ -177,8 +181,9 @@ def gap_candidates(
 
 @dataclass(frozen=True, eq=False)
 class _Ends:
-    """One end of each record: ``time_s`` (N,), ``mean`` (N, 4), ``cov`` (N, 4, 4)."""
+    """One end of each record: ``frame_index`` (N,), ``time_s`` (N,), ``mean`` (N, 4), ``cov`` (N, 4, 4)."""
 
+    frame_index: NDArray[np.intp]
     time_s: NDArray[np.float64]
     mean: NDArray[np.float64]
     cov: NDArray[np.float64]
@@ -188,6 +193,7 @@ class _Ends:
         ends = [record.end if last else record.begin for record in records]
         known = [end for end in ends if end is not None]
         return _Ends(
+            np.array([end.frame_index for end in known], np.intp),
             np.array([end.time_s for end in known]),
             np.stack([end.mean for end in known]),
             np.stack([end.cov for end in known]),
@@ -277,23 +283,28 @@ def _of_both(a: TrackRecord, b: TrackRecord, rig: Rig) -> tuple[float, float, fl
     return difference, a.class_agreement(b), alike, shorter_s, min(a.mean_score, b.mean_score)
 
 
-class _Sees:
-    """Whether a camera would see a place in the city frame at a frame's time, as far as its image reaches."""
-
-    def __init__(self, rig: Rig, camera_names: Sequence[str]) -> None:
-        self._rig = rig
-        self._cameras = [rig.cameras.get(name) for name in camera_names]
-
-    def __call__(self, camera: int, end: TrackEnd) -> float:
-        seen_by, poses = self._cameras[camera], self._rig.city_SE3_ego
-        if seen_by is None or seen_by.calibration is None or poses is None:
-            return 0.0
-        city_SE3_ego = poses[end.frame_index]
-        point = np.array([*end.mean[:2], city_SE3_ego[2, 3] + _MIDDLE_M, 1.0])
-        x_m, _, depth_m, _ = (
-            invert_se3(seen_by.calibration.ego_SE3_camera) @ invert_se3(city_SE3_ego) @ point
-        ).tolist()
-        if depth_m < 1:
-            return 0.0
-        x_px = seen_by.calibration.intrinsics[0, 0] * x_m / depth_m + seen_by.calibration.intrinsics[0, 2]
-        return float(0 <= x_px <= seen_by.width_px)
+def _sees(
+    rig: Rig,
+    camera_names: Sequence[str],
+    camera: NDArray[np.intp],
+    frame_index: NDArray[np.intp],
+    xy_m: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """(P,) 1 where a camera would see a place ``xy_m`` (P, 2) of the city frame at the time of a frame, as far as its
+    image reaches, else 0. ``camera`` (P,) are numbers of names."""
+    sees = np.zeros(len(camera))
+    if rig.city_SE3_ego is None:
+        return sees
+    city_SE3_ego = rig.city_SE3_ego[frame_index]
+    middle_m = np.column_stack([xy_m, city_SE3_ego[:, 2, 3] + _MIDDLE_M]) - city_SE3_ego[:, :3, 3]
+    ego_m = np.einsum("nji,nj->ni", city_SE3_ego[:, :3, :3], middle_m)
+    for number in np.unique(camera).tolist():
+        seen_by = rig.cameras.get(camera_names[number])
+        if seen_by is None or seen_by.calibration is None:
+            continue
+        rows = np.flatnonzero(camera == number)
+        x_m, _, depth_m = transform_points(invert_se3(seen_by.calibration.ego_SE3_camera), ego_m[rows]).T
+        focal_px, middle_px = seen_by.calibration.intrinsics[0, [0, 2]]
+        x_px = focal_px * x_m / np.maximum(depth_m, _NEAREST_M) + middle_px
+        sees[rows] = (depth_m >= _NEAREST_M) & (x_px >= 0) & (x_px <= seen_by.width_px)
+    return sees
