@@ -57,7 +57,9 @@ function IdentityDetail({ identity, width }: { identity: Identity; width: number
   const committed = useCommitted();
   const tracks = useQuery(tracksQuery(driveId)).data?.filter((track) => track.identity_id === identity.id) ?? [];
   const own = identity.observation_count - identity.propagated_count;
-  const here = largest(committed?.observations.filter((one) => one.identity_id === identity.id) ?? []);
+  const seen = committed?.observations.filter((one) => one.identity_id === identity.id) ?? [];
+  // Where the donor itself is in this frame, what another camera received from it says more.
+  const here = largest(seen.filter((one) => one.label.source === "propagated")) ?? largest(seen);
   const nearest = here ? null : nearestFrame(tracks, committed?.frame ?? 0);
   return (
     <section className={classes.identity} aria-label={`#${identity.id} ${identity.class_name}`}>
