@@ -81,6 +81,13 @@ class Settings(BaseSettings):
         ge=0,
         description="A label comes from a sighting less than this many seconds away; 0 takes it from any time.",
     )
+    min_trust: float = Field(
+        default=0.45,
+        ge=0,
+        le=1,
+        description="A sighting whose box shows the tracked object with less probability than this keeps the "
+        "detector's own label; 0 keeps none back, as in the paper. With a weak detector, 0.25 finds more.",
+    )
     allowed_hosts: Annotated[tuple[str, ...], NoDecode] = Field(
         default=(),
         description="Host names, separated by commas, that the server answers to beside localhost and its address.",
@@ -129,7 +136,9 @@ class Settings(BaseSettings):
     @property
     def propagation_config(self) -> PropagationConfig:
         """How labels are given."""
-        return PropagationConfig(rule=self.propagation, top_k=self.top_k, window_s=self.donor_window_s)
+        return PropagationConfig(
+            rule=self.propagation, top_k=self.top_k, window_s=self.donor_window_s, min_trust=self.min_trust
+        )
 
     @property
     def store_url(self) -> str:

@@ -16,6 +16,7 @@ from app.commands.options import (
     EgoMotionUse,
     Identity,
     InputSize,
+    MinTrust,
     ModelName,
     Propagation,
     SceneName,
@@ -60,6 +61,7 @@ def label(
     propagation: Propagation = None,
     top_k: TopK = None,
     donor_window: DonorWindow = None,
+    min_trust: MinTrust = None,
     executor: Annotated[
         ExecutorName, typer.Option(help="Worker processes on all cores, or one thing after the other in one process.")
     ] = ExecutorName.PROCESSES,
@@ -76,6 +78,7 @@ def label(
         propagation=propagation,
         top_k=top_k,
         donor_window_s=donor_window,
+        min_trust=min_trust,
     )
     with open_executor(executor.value, workers=workers) as open_workers:
         summary = label_into_store(

@@ -118,6 +118,16 @@ DonorWindow = Annotated[
         show_default=False,
     ),
 ]
+MinTrust = Annotated[
+    float | None,
+    typer.Option(
+        min=0,
+        max=1,
+        help="A sighting whose box shows the tracked object with less probability than this keeps the detector's own "
+        "label; 0: none. (default: HINDSIGHT_MIN_TRUST, else 0.45)",
+        show_default=False,
+    ),
+]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object on standard output.")]
 Port = Annotated[
     int | None,

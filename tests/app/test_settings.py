@@ -6,6 +6,7 @@ import pytest
 
 from app.settings import Settings, default_workspace, load_settings
 from labeler.errors import HindsightError
+from labeler.propagation import PropagationConfig
 
 
 def test_the_workspace_is_in_the_users_data_folder(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -23,6 +24,15 @@ def test_options_win_over_the_environment(monkeypatch: pytest.MonkeyPatch) -> No
     assert (settings.port, settings.host) == (9001, "localhost")
 
 
+def test_how_labels_are_given_follows_from_the_settings(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert load_settings().propagation_config == PropagationConfig()
+    monkeypatch.setenv("HINDSIGHT_MIN_TRUST", "0.25")
+    monkeypatch.setenv("HINDSIGHT_TOP_K", "3")
+    expected = PropagationConfig(rule="top-k", top_k=3, window_s=2.0, min_trust=0.25)
+    assert load_settings(propagation="top-k", donor_window_s=2.0).propagation_config == expected
+    assert load_settings(min_trust=0.0).propagation_config.min_trust == 0
+
+
 def test_another_process_gets_the_same_settings(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     given = Settings(workspace=tmp_path / "w", allowed_hosts=("a.example", "b.example:81"), allow_local_paths=True)
     for name, value in given.as_environment().items():
@@ -31,7 +41,14 @@ def test_another_process_gets_the_same_settings(monkeypatch: pytest.MonkeyPatch,
 
 
 @pytest.mark.parametrize(
-    ("name", "value"), [("PORT", "70000"), ("MAX_FILES", "0"), ("MAX_UPLOAD_BYTES", "many"), ("JOB_POLL_SECONDS", "0")]
+    ("name", "value"),
+    [
+        ("PORT", "70000"),
+        ("MIN_TRUST", "1.1"),
+        ("MAX_FILES", "0"),
+        ("MAX_UPLOAD_BYTES", "many"),
+        ("JOB_POLL_SECONDS", "0"),
+    ],
 )
 def test_a_wrong_value_is_named(monkeypatch: pytest.MonkeyPatch, name: str, value: str) -> None:
     monkeypatch.setenv(f"HINDSIGHT_{name}", value)
