@@ -13,7 +13,7 @@ from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
 from labeler.errors import HindsightError
 from labeler.models import ModelCache
-from labeler.propagation import PropagationConfig
+from labeler.propagation import PropagationConfig, usual_min_trust
 
 PREFIX = "HINDSIGHT_"
 GIB = 1024**3
@@ -81,12 +81,13 @@ class Settings(BaseSettings):
         ge=0,
         description="A label comes from a sighting less than this many seconds away; 0 takes it from any time.",
     )
-    min_trust: float = Field(
-        default=0.45,
+    min_trust: float | None = Field(
+        default=None,
         ge=0,
         le=1,
         description="A sighting whose box shows the tracked object with less probability than this keeps the "
-        "detector's own label; 0 keeps none back, as in the paper. With a weak detector, 0.25 finds more.",
+        "detector's own label; 0 keeps none back, as in the paper. Without it: 0.25 for a small detector (a file below "
+        "8 MB, as YOLOX-nano's), which would find little else, and 0.45 for others.",
     )
     allowed_hosts: Annotated[tuple[str, ...], NoDecode] = Field(
         default=(),
@@ -133,11 +134,11 @@ class Settings(BaseSettings):
             if value is not None
         }
 
-    @property
-    def propagation_config(self) -> PropagationConfig:
-        """How labels are given."""
+    def propagation_config(self, detector: Path) -> PropagationConfig:
+        """How the labels of a detector, a model file, are given."""
+        min_trust = usual_min_trust(detector) if self.min_trust is None else self.min_trust
         return PropagationConfig(
-            rule=self.propagation, top_k=self.top_k, window_s=self.donor_window_s, min_trust=self.min_trust
+            rule=self.propagation, top_k=self.top_k, window_s=self.donor_window_s, min_trust=min_trust
         )
 
     @property

@@ -59,7 +59,9 @@ def pipeline(
     settings = load_settings(model=model)
     recorded = repeat_frames(open_drive(drive, scene=scene), repeat)
     model_file = chosen_detector(settings).path
-    times = benchmark_pipeline(recorded, model=model_file, settings=label_settings(settings, input_size), runs=runs)
+    times = benchmark_pipeline(
+        recorded, model=model_file, settings=label_settings(settings, model_file, input_size), runs=runs
+    )
     if as_json:
         typer.echo(json.dumps(times))
         return
@@ -92,7 +94,7 @@ def boxes(
 ) -> None:  # fmt: skip
     """Compare the 3D boxes of each camera direction with a drive's 3D truth, and time the LiDAR step."""
     settings = load_settings()
-    chosen = label_settings(settings, input_size)
+    chosen = label_settings(settings, chosen_detector(settings).path, input_size)
     recorded = open_drive(drive, scene=scene)
     detector = (
         None if model is None else open_detector(chosen_detector(load_settings(model=model)).path, chosen.detection)

@@ -118,7 +118,7 @@ def label_into_store(
             segmentation=segmentation,
             boxes=boxes_file(settings),
             workspace=settings.workspace,
-            settings=label_settings(settings, input_size, tracking),
+            settings=label_settings(settings, detector.path, input_size, tracking),
             decisions=decisions_about(settings, recorded, scene=scene),
             executor=executor,
             progress=progress,
@@ -153,14 +153,16 @@ def tracking_config(tracker: str | None, ego_motion: str) -> TrackingConfig:
     return config if tracker is None else replace(config, method=tracker)
 
 
-def label_settings(settings: Settings, input_size: int | None, tracking: TrackingConfig | None = None) -> LabelSettings:
+def label_settings(
+    settings: Settings, detector: Path, input_size: int | None, tracking: TrackingConfig | None = None
+) -> LabelSettings:
     """The labeler's settings as the user wants them, with the input size and how to track where they are given.
 
     HindsightError when the input size is out of range."""
     chosen = LabelSettings(
         tracking=tracking or TrackingConfig(),
         identity=IdentityConfig(method=settings.identity),
-        propagation=settings.propagation_config,
+        propagation=settings.propagation_config(detector),
     )
     if input_size is None:
         return chosen

@@ -124,7 +124,7 @@ MinTrust = Annotated[
         min=0,
         max=1,
         help="A sighting whose box shows the tracked object with less probability than this keeps the detector's own "
-        "label; 0: none. (default: HINDSIGHT_MIN_TRUST, else 0.45)",
+        "label; 0: none. (default: HINDSIGHT_MIN_TRUST, else 0.25 for a small detector, 0.45 for others)",
         show_default=False,
     ),
 ]

@@ -31,7 +31,7 @@ def run_label_job(context: JobContext) -> str | None:
         workspace=context.settings.workspace,
         settings=LabelSettings(
             identity=IdentityConfig(method=context.settings.identity),
-            propagation=context.settings.propagation_config,
+            propagation=context.settings.propagation_config(model),
         ),
         decisions=decisions,
         progress=context.progress,

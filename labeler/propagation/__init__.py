@@ -1,6 +1,6 @@
 """Step 5: the best observation's label for all of its identity, with lineage."""
 
-from labeler.propagation.config import PropagationConfig
+from labeler.propagation.config import PropagationConfig, usual_min_trust
 from labeler.propagation.errors import PropagationError
 from labeler.propagation.labelling import label_observations
 from labeler.propagation.types import Donor, Labels, LabelSource, Votes, Withheld
@@ -17,4 +17,5 @@ __all__ = [
     "collect_votes",
     "donor_of",
     "label_observations",
+    "usual_min_trust",
 ]

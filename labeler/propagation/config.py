@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from pathlib import Path
 
 from labeler.propagation.errors import PropagationError
 
@@ -49,3 +50,16 @@ class PropagationConfig:
     def voters(self) -> int:
         """How many observations have a say in a label."""
         return self.top_k if self.rule == "top-k" else 1
+
+
+_SMALL_DETECTOR_BYTES = 8_000_000
+_MIN_TRUST_OF_SMALL = 0.25
+
+
+def usual_min_trust(detector: Path) -> float:
+    """The ``min_trust`` for a detector, by the size of its model file; that of large ones where there is no such file.
+
+    A threshold is best where it is half of the F1 that can be reached (Lipton, Elkan and Naryanaswamy, Optimal
+    thresholding of classifiers to maximize F1 measure, ECML 2014), and small networks reach less."""
+    is_small = detector.is_file() and detector.stat().st_size < _SMALL_DETECTOR_BYTES
+    return _MIN_TRUST_OF_SMALL if is_small else PropagationConfig.min_trust

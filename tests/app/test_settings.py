@@ -24,13 +24,19 @@ def test_options_win_over_the_environment(monkeypatch: pytest.MonkeyPatch) -> No
     assert (settings.port, settings.host) == (9001, "localhost")
 
 
-def test_how_labels_are_given_follows_from_the_settings(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert load_settings().propagation_config == PropagationConfig()
-    monkeypatch.setenv("HINDSIGHT_MIN_TRUST", "0.25")
+def test_how_labels_are_given_follows_from_settings_and_detector(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    small, large = tmp_path / "nano.onnx", tmp_path / "large.onnx"
+    small.write_bytes(bytes(3_700_000))
+    large.write_bytes(bytes(9_000_000))
+    assert load_settings().propagation_config(large) == PropagationConfig()
+    assert load_settings().propagation_config(small) == PropagationConfig(min_trust=0.25)
+    monkeypatch.setenv("HINDSIGHT_MIN_TRUST", "0.35")
     monkeypatch.setenv("HINDSIGHT_TOP_K", "3")
-    expected = PropagationConfig(rule="top-k", top_k=3, window_s=2.0, min_trust=0.25)
-    assert load_settings(propagation="top-k", donor_window_s=2.0).propagation_config == expected
-    assert load_settings(min_trust=0.0).propagation_config.min_trust == 0
+    expected = PropagationConfig(rule="top-k", top_k=3, window_s=2.0, min_trust=0.35)
+    assert load_settings(propagation="top-k", donor_window_s=2.0).propagation_config(small) == expected
+    assert load_settings(min_trust=0.0).propagation_config(large).min_trust == 0
 
 
 def test_another_process_gets_the_same_settings(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
