@@ -298,7 +298,8 @@ def _sees(
     city_SE3_ego = rig.city_SE3_ego[frame_index]
     middle_m = np.column_stack([xy_m, city_SE3_ego[:, 2, 3] + _MIDDLE_M]) - city_SE3_ego[:, :3, 3]
     ego_m = np.einsum("nji,nj->ni", city_SE3_ego[:, :3, :3], middle_m)
-    for number in np.unique(camera).tolist():
+    numbers: list[int] = np.unique(camera).tolist()
+    for number in numbers:
         seen_by = rig.cameras.get(camera_names[number])
         if seen_by is None or seen_by.calibration is None:
             continue

@@ -125,7 +125,8 @@ def test_a_parked_car_that_is_passed_stays_one(height_m: float, *, is_one: bool)
 @pytest.mark.parametrize("method", ["two_stage", "offline"])
 def test_a_camera_that_stands_still_changes_nothing(method: str) -> None:
     random = np.random.default_rng(0)
-    frames = frames_of(*([tuple(np.sort(random.uniform(0, 400, (2, 2)), axis=0).ravel())] for _ in range(30)))
+    corners = np.sort(random.uniform(0, 400, (30, 2, 2)), axis=1).reshape(30, 4)
+    frames = frames_of(*([(x1, y1, x2, y2)] for x1, y1, x2, y2 in corners.tolist()))
     still = motion_of(poses_of(np.zeros(30), np.zeros(30)))
     config = replace(CONFIG, method=method)
     for known, unknown in zip(follow(frames, still, config), follow(frames, None, config), strict=True):
