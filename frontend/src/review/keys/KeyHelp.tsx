@@ -1,5 +1,5 @@
 import { Button, Group, Kbd, Modal, Text, UnstyledButton } from "@mantine/core";
-import { useEffect, useState } from "react";
+import { useEffect, useId, useState } from "react";
 import { text } from "../../strings";
 import { useBindings } from "./bindings";
 import { chordOf, showChord } from "./chord";
@@ -84,11 +84,16 @@ function Row({ action, change, onChange }: RowProps) {
   }, [waiting, action, onChange]);
 
   const other = taken && conflictOf(bindings, action, taken);
+  const [says, keys] = [useId(), useId()];
   return (
     <li className={classes.binding}>
+      <span id={says} hidden>
+        {text.keys.change(text.keys.actions[action])}
+      </span>
       <UnstyledButton
+        id={keys}
         className={classes.keys}
-        aria-label={text.keys.change(text.keys.actions[action])}
+        aria-labelledby={`${says} ${keys}`}
         data-waiting={waiting || undefined}
         onClick={() => onChange(waiting ? null : { action, chord: null })}
       >
