@@ -128,7 +128,7 @@ def _new_folder(parent: Path, name: str) -> Iterator[Path]:
             number += 1
     try:
         yield folder
-    except BaseException:
+    except BaseException:  # a stop by Ctrl-C too: no half of a drive stays
         shutil.rmtree(folder, ignore_errors=True)
         raise
 

@@ -128,7 +128,7 @@ class Worker:
             return JobState.CANCELLED, None, "Stopped. What is done so far is kept."
         except HindsightError as error:
             return JobState.FAILED, str(error), None
-        except Exception:
+        except Exception:  # whatever a job stumbles over, the worker goes on to the next one
             logger.exception("job %d failed", job.id)
             return (
                 JobState.FAILED,
@@ -141,7 +141,7 @@ class Worker:
             try:
                 with self._store.write() as session:
                     cancel = repository.report(session, job_id, worker=self._name, values=progress.snapshot())
-            except Exception:
+            except Exception:  # a store that is locked for a moment must not end the thread that hears of a stop
                 logger.exception("job %d: progress could not be written; trying again", job_id)
                 continue
             if cancel is None or cancel or stop.is_set():

@@ -40,7 +40,7 @@ class PrivateViewer:
         try:
             _require_loopback_only(self.port)
             self._admit_key_holders_only()
-        except BaseException:
+        except BaseException:  # whatever stops this, no server without its lock stays open
             self.server.stop()
             raise
 

@@ -40,7 +40,7 @@ class BorrowedWorld:
     def __enter__(self) -> Self:
         try:
             self._set_up()
-        except BaseException:
+        except BaseException:  # a stop by Ctrl-C too: the world is somebody else's
             self.restore()
             raise
         return self
