@@ -1,13 +1,15 @@
 """The web page: the files of the frontend's build, and its index for every address that the page itself knows.
 
 Files below ``assets/`` carry a hash of their content in their name, so browsers may keep them for ever; the index must
-be asked for anew each time.
+be asked for anew each time. The build puts a compressed copy, ``NAME.gz``, beside each larger file; browsers that can
+read it get it.
 """
 
 from html import escape
+from mimetypes import guess_type
 from pathlib import Path
 
-from fastapi import FastAPI
+from fastapi import FastAPI, Request
 from fastapi.responses import FileResponse, HTMLResponse, Response
 from starlette.exceptions import HTTPException
 
@@ -20,11 +22,10 @@ def install_page(app: FastAPI, folder: Path = STATIC_FOLDER) -> None:
     """Answer every address that no other route of ``app`` answers; call it last."""
 
     @app.get("/{path:path}", include_in_schema=False)
-    def get_page(path: str) -> Response:
+    def get_page(path: str, request: Request) -> Response:
         file = _file(folder, path)
         if file is not None:
-            is_asset = path.startswith("assets/")
-            return FileResponse(file, headers={"Cache-Control": FOR_EVER if is_asset else "no-cache"})
+            return _answer(file, request, cache=FOR_EVER if path.startswith("assets/") else "no-cache")
         if path.split("/", 1)[0] in NOT_PAGE:
             raise HTTPException(404, f"There is nothing at /{path}")
         index = folder / "index.html"
@@ -39,6 +40,19 @@ def _file(folder: Path, path: str) -> Path | None:
         return None
     file = (folder / path).resolve()
     return file if file.is_relative_to(folder.resolve()) and file.is_file() else None
+
+
+def _answer(file: Path, request: Request, *, cache: str) -> Response:
+    """The file, or its compressed copy where there is one and the browser reads it."""
+    headers = {"Cache-Control": cache}
+    compressed = file.with_name(file.name + ".gz")
+    if not compressed.is_file():
+        return FileResponse(file, headers=headers)
+    headers["Vary"] = "Accept-Encoding"
+    if "gzip" not in request.headers.get("accept-encoding", ""):
+        return FileResponse(file, headers=headers)
+    headers["Content-Encoding"] = "gzip"
+    return FileResponse(compressed, headers=headers, media_type=guess_type(file.name)[0])
 
 
 def _not_built(folder: Path) -> str:

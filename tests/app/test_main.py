@@ -1,5 +1,6 @@
 """The app as a whole: its description, its errors, its page."""
 
+import gzip
 from pathlib import Path
 
 import pytest
@@ -110,6 +111,20 @@ def test_the_page(settings: Settings, static_folder: Path, path: str, status: in
         answer = client.get(path)
     assert (answer.status_code, answer.text, answer.headers["cache-control"]) == (status, content, cache)
     assert "default-src 'self'" in answer.headers["content-security-policy"]
+
+
+@pytest.mark.parametrize(("reads", "encoding"), [("gzip, br", "gzip"), ("br", None)])
+def test_files_are_sent_compressed_to_who_reads_that(
+    settings: Settings, static_folder: Path, reads: str, encoding: str | None
+) -> None:
+    compressed = static_folder / "assets" / "index-abc123.js.gz"
+    compressed.write_bytes(gzip.compress(b"export {}"))
+    with browser_on(create_app(settings, static_folder=static_folder)) as client:
+        answer = client.get("/assets/index-abc123.js", headers={"Accept-Encoding": reads})
+    assert answer.text == "export {}"
+    assert answer.headers.get("content-encoding") == encoding
+    assert answer.headers["content-type"].startswith("text/javascript")
+    assert answer.headers["vary"] == "Accept-Encoding"
 
 
 def test_a_page_that_is_not_built_says_how_to_build_it(settings: Settings, tmp_path: Path) -> None:

@@ -84,6 +84,13 @@ def test_a_port_in_use_is_told() -> None:
             open_socket("127.0.0.1", port)
 
 
+def test_the_body_of_an_answer_does_not_wait_for_its_head_to_be_acknowledged() -> None:
+    with open_socket("127.0.0.1", 0) as listening, socket.create_connection(listening.getsockname()):
+        connection, _ = listening.accept()
+        with connection:
+            assert connection.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
+
+
 def test_a_workspace_that_can_not_be_made_is_told(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("no folder")
     ended = subprocess.run(

@@ -66,6 +66,15 @@ def test_scrubbing_never_shows_boxes_of_another_frame(page: Page, small_review: 
         assert [said for said, _ in views] == [number for _, number in views], "boxes stood on another frame's picture"
 
 
+def test_what_is_shown_first_is_asked_for_once(page: Page, small_review: str) -> None:
+    asked: list[str] = []
+    page.on("request", lambda request: asked.append(request.url))
+    _open(page, f"{small_review}?frame=45")
+    first = ["", "/observations?start=45&stop=46", *(f"/frames/45/images/{camera}" for camera in CAMERAS)]
+    api = small_review.replace("/drives/", "/api/drives/")
+    assert {one: asked.count(api + one) for one in first} == dict.fromkeys(first, 1)
+
+
 def test_playing_shows_every_frame(page: Page, small_review: str) -> None:
     _open(page, f"{small_review}?frame=45")
     page.evaluate(WATCH, {"bits": BITS, "square": SQUARE_PX, "width": WIDTH_PX, "height": HEIGHT_PX})

@@ -6,6 +6,7 @@
  */
 
 import createClient from "openapi-fetch";
+import { takeEarly } from "../early";
 import { text } from "../strings";
 import { useConnection } from "./connection";
 import { REVIEWER_HEADER, reviewerHeader } from "./reviewer";
@@ -33,10 +34,10 @@ function isAbort(cause: unknown): boolean {
   return cause instanceof DOMException && cause.name === "AbortError";
 }
 
-/** `fetch`, noting whether the server answers. */
+/** `fetch`, of what was asked for early too, noting whether the server answers. */
 export async function trackedFetch(input: RequestInfo | URL, init?: RequestInit): Promise<Response> {
   try {
-    const response = await fetch(input, init);
+    const response = await (takeEarly(input) ?? fetch(input, init));
     useConnection.getState().answered();
     return response;
   } catch (cause) {
@@ -73,9 +74,4 @@ export async function unwrap<T>(request: Promise<Answer<T>>): Promise<T> {
 
 export function messageOf(cause: unknown): string {
   return cause instanceof Error && cause.message ? cause.message : text.app.unknownError;
-}
-
-export function imageUrl(driveId: number, frame: number, camera: string, maxWidth?: number): string {
-  const query = maxWidth ? `?max_width=${maxWidth}` : "";
-  return `/api/drives/${driveId}/frames/${frame}/images/${encodeURIComponent(camera)}${query}`;
 }

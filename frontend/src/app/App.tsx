@@ -6,6 +6,7 @@ import { queryClient } from "../api/queries";
 import { text } from "../strings";
 import { ConnectionBanner } from "./ConnectionBanner";
 import { CrashBoundary } from "./CrashBoundary";
+import { LoadedReview } from "./LoadedReview";
 import { theme } from "./theme";
 
 const DrivesPage = lazy(() => import("../drives/DrivesPage").then((module) => ({ default: module.DrivesPage })));
@@ -13,7 +14,6 @@ const EvaluationPage = lazy(() =>
   import("../evaluation/EvaluationPage").then((module) => ({ default: module.EvaluationPage })),
 );
 const SummaryPage = lazy(() => import("../summary/SummaryPage").then((module) => ({ default: module.SummaryPage })));
-const ReviewPage = lazy(() => import("../review/ReviewPage").then((module) => ({ default: module.ReviewPage })));
 
 export function App() {
   return (
@@ -30,7 +30,7 @@ export function App() {
             <Route path="/drives/:id">
               {({ id }) => (
                 <Suspense fallback={null}>
-                  {/^\d+$/.test(id) ? <ReviewPage key={id} driveId={Number(id)} /> : <NotFound />}
+                  {/^\d+$/.test(id) ? <LoadedReview key={id} driveId={Number(id)} /> : <NotFound />}
                 </Suspense>
               )}
             </Route>

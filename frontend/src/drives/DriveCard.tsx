@@ -3,7 +3,8 @@ import { IconAlertTriangle, IconChartLine, IconDots, IconTrash } from "@tabler/i
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
 import { Link } from "wouter";
-import { api, imageUrl, messageOf, unwrap } from "../api/client";
+import { api, messageOf, unwrap } from "../api/client";
+import { imageUrl } from "../api/imageUrl";
 import { isBusy } from "../api/queries";
 import type { Drive } from "../api/types";
 import { duration } from "../app/format";

@@ -9,7 +9,7 @@ import { useCommitted, useReview, useShared } from "../ReviewContext";
 import classes from "./CameraGrid.module.css";
 import { CameraView } from "./CameraView";
 import { inCarOrder, layoutCameras, type Tile } from "./layout";
-import { pictureWidth } from "./pictures";
+import { pictureWidth } from "./pictureWidth";
 import { GammaFilter, StageBar } from "./StageBar";
 import { panBy, zoomAt } from "./viewport";
 

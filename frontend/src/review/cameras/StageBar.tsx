@@ -1,5 +1,6 @@
 import { ActionIcon, Button, Popover, SegmentedControl, Slider, Stack, Text, Tooltip } from "@mantine/core";
 import { IconAdjustmentsHorizontal } from "@tabler/icons-react";
+import { memo } from "react";
 import { text } from "../../strings";
 import { type Adjustments, filterOf, GAMMA_FILTER_ID, LIMITS, UNCHANGED, useAppearance } from "./appearance";
 import { COLOURINGS, type Colouring } from "./colouring";
@@ -7,7 +8,7 @@ import { Legend } from "./Legend";
 import classes from "./StageBar.module.css";
 
 /** Above the cameras: what the colours mean, and how the pictures are shown. */
-export function StageBar() {
+export const StageBar = memo(function StageBar() {
   const { colouring, setColouring } = useAppearance();
   return (
     <div className={classes.bar}>
@@ -25,7 +26,7 @@ export function StageBar() {
       <PictureAdjustments />
     </div>
   );
-}
+});
 
 function PictureAdjustments() {
   const { adjustments, adjust } = useAppearance();

@@ -2,7 +2,7 @@
 
 import type { DriveDetail } from "../../api/types";
 import { layoutCameras } from "./layout";
-import { pictureWidth } from "./pictures";
+import { pictureWidth } from "./pictureWidth";
 
 /** What the cameras have of the window, about. */
 const SHARE = { width: 0.75, height: 0.65 };

@@ -1,6 +1,7 @@
 /** Loads and decodes pictures of the server. */
 
-import { errorFromBody, imageUrl, trackedFetch } from "../../api/client";
+import { errorFromBody, trackedFetch } from "../../api/client";
+import { imageUrl } from "../../api/imageUrl";
 import type { Window } from "./cropWindow";
 import { LeastRecentlyUsed } from "./lru";
 
@@ -23,17 +24,6 @@ export async function loadPicture(
 ): Promise<ImageBitmap | null> {
   const blob = await fetchPicture(imageUrl(driveId, frame, camera, maxWidth));
   return blob && createImageBitmap(blob);
-}
-
-/** Steps of picture widths, so that a slightly wider window does not load everything anew. */
-const WIDTHS = [480, 720, 960, 1280, 1600, 1920, 2560];
-/** An original so much wider is taken as it is: the server sends it from disk, and would have to make a smaller one. */
-const WORTH_SHRINKING = 1.5;
-
-/** The width to ask for, for a tile of so many device pixels; undefined is the original. */
-export function pictureWidth(devicePx: number, originalPx: number): number | undefined {
-  const width = WIDTHS.find((step) => step >= devicePx * 0.92);
-  return width === undefined || width * WORTH_SHRINKING > originalPx ? undefined : width;
 }
 
 /** Cut-outs of original pictures, a few at a time: what is asked for at once in its order, the newest of that first. */

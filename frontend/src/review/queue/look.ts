@@ -1,6 +1,6 @@
 /** Cut-outs of pictures, made by the server. */
 
-import { imageUrl } from "../../api/client";
+import { imageUrl } from "../../api/imageUrl";
 import type { DriveDetail, Look } from "../../api/types";
 import { cropWindow, type Window } from "../cameras/cropWindow";
 
