@@ -99,11 +99,15 @@ export const mergesQuery = (id: number) =>
       replaceEqualDeep(before, keepPriorities(before as Merge[] | undefined, after as Merge[])),
   });
 
-/** What there is to see of a merge. Only whose identity a look is of can change; what is shown stays until it is new. */
-export const mergeLooksQuery = (driveId: number, mergeId: number) =>
+/**
+ * What there is to see of a merge. Only whose identity a look is of can change; what is shown stays until it is new.
+ * `turn`: what to wait for before the server is asked.
+ */
+export const mergeLooksQuery = (driveId: number, mergeId: number, turn?: () => Promise<void>) =>
   queryOptions({
     queryKey: ["drive", driveId, "looks", mergeId],
     queryFn: async ({ signal }) => {
+      await turn?.();
       const path = { merge_id: mergeId };
       // openapi-fetch forgets that a merge has exactly two sides.
       return (await unwrap(api.GET("/api/merges/{merge_id}/looks", { params: { path }, signal }))) as MergeLooks;

@@ -207,6 +207,18 @@ describe("FrameStore", () => {
     expect(pictures.asked.slice(before + 2, before + 4)).toEqual(["51left", "51right"]);
   });
 
+  it("tells when the decision has come back", async () => {
+    const free: string[] = [];
+    void store.whenFree().then(() => free.push("before"));
+    store.hold();
+    void store.whenFree().then(() => free.push("after"));
+    await settle();
+    expect(free).toEqual(["before"]);
+    store.release();
+    await settle();
+    expect(free).toEqual(["before", "after"]);
+  });
+
   it("fetches frames that it is told to expect before those around", async () => {
     store.request(5);
     await finishFrame(5);

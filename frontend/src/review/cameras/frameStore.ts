@@ -73,6 +73,7 @@ export class FrameStore<P extends Picture> {
   /** Frames that are likely to be asked for next, out of the direction of travel. */
   private expected: readonly number[] = [];
   private holds = 0;
+  private readonly held: (() => void)[] = [];
   private begins = false;
 
   constructor(private readonly options: FrameStoreOptions<P>) {
@@ -140,11 +141,16 @@ export class FrameStore<P extends Picture> {
 
   release(): void {
     this.holds = Math.max(0, this.holds - 1);
-    if (this.holds > 0 || this.closed || this.order === 0) return;
+    if (this.holds > 0) return;
+    for (const go of this.held.splice(0)) go();
+    if (this.closed || this.order === 0) return;
     this.pump();
     this.loadObservations(this.target);
     this.loadExpected();
   }
+
+  /** Resolves when nothing is held; at once where nothing is. */
+  whenFree = (): Promise<void> => (this.holds === 0 ? Promise.resolve() : new Promise((go) => this.held.push(go)));
 
   /** Pictures are wanted in another size from now on: load the frame on the screen anew; it stays until then. */
   resize(): void {

@@ -52,8 +52,8 @@ function Together({ merge, size, open, frame }: SidesProps & { frame: number }) 
 
 /** Never seen at once: each at its best, and where there is room for it, where the one ends and the other begins. */
 function Apart({ merge, size, open }: SidesProps) {
-  const { driveId, drive } = useShared();
-  const { data: looks, isError } = useQuery(mergeLooksQuery(driveId, merge.id));
+  const { driveId, drive, frames } = useShared();
+  const { data: looks, isError } = useQuery(mergeLooksQuery(driveId, merge.id, frames.whenFree));
   const sides = sidesOf(merge);
   const nearest = looks?.moments[0]?.looks;
   const times = nearest?.map((look) => drive.frame_times_ms[look.frame_index] ?? 0);

@@ -63,7 +63,7 @@ export function useQueueActions() {
 
 /** The queue as it is shown; keeps its list up to date, opens the first merge, and fetches the next ones ahead. */
 export function useQueue() {
-  const { driveId, drive, store } = useShared();
+  const { driveId, drive, store, frames } = useShared();
   const client = useQueryClient();
   const { data, error, isPending, refetch } = useQuery(mergesQuery(driveId));
   const { list, ids, setIds, show } = useQueueState();
@@ -94,12 +94,12 @@ export function useQueue() {
   useEffect(() => {
     if (shownId === undefined) return;
     for (const next of upNext(list, order, shownId, 3)) {
-      void client.ensureQueryData(mergeLooksQuery(driveId, next.id)).then(
+      void client.ensureQueryData(mergeLooksQuery(driveId, next.id, frames.whenFree)).then(
         (looks) => preloadLooks(drive, looks),
         () => undefined, // shown, and said, when its turn comes
       );
     }
-  }, [shownId, order, list, client, driveId, drive]);
+  }, [shownId, order, list, client, driveId, drive, frames]);
 
   return { list, show, merges, order, shown, error, isPending, refetch };
 }
