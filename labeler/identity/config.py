@@ -50,7 +50,7 @@ class IdentityConfig:
     """
 
     method: str = ASSIGNMENT
-    accept_probability: float = 0.9
+    accept_probability: float = 0.85
     propose_probability: float = 0.5
     max_gap_s: float = 6.0
     max_still_gap_s: float = 15.0
