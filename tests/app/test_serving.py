@@ -75,6 +75,7 @@ def test_stopping_does_not_wait_for_pages_that_follow_a_job(tmp_path: Path, made
             assert next(lines) == "event: job"
             process.send_signal(signal.SIGTERM)
             assert '"state":"queued"' in "".join(lines)  # the stream ends, whole
+        assert process.wait(30) == 0
 
 
 def test_a_port_in_use_is_told() -> None:
