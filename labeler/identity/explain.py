@@ -128,12 +128,11 @@ class Explainer:
         first_s = self._rig.seconds(min(around)) - _PLOT_AROUND_S
         last_s = self._rig.seconds(max(around)) + _PLOT_AROUND_S
         times_s = (self._rig.timestamp_ns - self._rig.timestamp_ns[0]) / 1e9
-        driven = np.flatnonzero((times_s >= first_s) & (times_s <= last_s))
-        ego = [
-            (int(frame), *_rounded(pose[:2, 3], _CENTIMETRES), round(yaw_of(pose), _MILLIRADIANS))
-            for frame in _thinned(driven)
-            for pose in (reference_SE3_city @ poses[frame],)
-        ]
+        driven = _thinned(np.flatnonzero((times_s >= first_s) & (times_s <= last_s)))
+        moved = reference_SE3_city @ poses[driven]
+        ego_m = moved[:, :2, 3].round(_CENTIMETRES).tolist()
+        ego_rad = np.arctan2(moved[:, 1, 0], moved[:, 0, 0]).round(_MILLIRADIANS).tolist()
+        ego = [(frame, *xy_m, yaw) for frame, xy_m, yaw in zip(driven.tolist(), ego_m, ego_rad, strict=True)]
         return MergePlot(
             reference_frame=reference,
             ego=tuple(ego),
@@ -173,10 +172,8 @@ def _path(
     height_m = -float(reference_SE3_city[:3, 2] @ reference_SE3_city[:3, 3])
     city_m = np.column_stack([nodes[rows, 2:4], np.full(len(rows), height_m)])
     xy_m = (city_m @ reference_SE3_city[:3, :3].T + reference_SE3_city[:3, 3])[:, :2]
-    return tuple(
-        (int(nodes[row, 0]), *_rounded([*place, nodes[row, 6]], _CENTIMETRES))
-        for row, place in zip(rows.tolist(), xy_m.tolist(), strict=True)
-    )
+    rounded = np.column_stack([xy_m, nodes[rows, 6]]).round(_CENTIMETRES).tolist()
+    return tuple((frame, *row) for frame, row in zip(nodes[rows, 0].astype(int).tolist(), rounded, strict=True))
 
 
 def _thinned(rows: NDArray[np.intp]) -> NDArray[np.intp]:

@@ -158,12 +158,19 @@ def _decide(gathered: Gathered, weighed: Sequence[Weighed], config: IdentityConf
     holding = [one.pair for one in weighed if one.probability >= config.propose_probability]
     identity_of = connected_parts(group_of, [*constraints.same, *holding])
     decided = {*constraints.same, *constraints.different}
+    members: dict[int, list[int]] = {}
+    for track, identity in identity_of.items():
+        members.setdefault(identity, []).append(track)
     explainer = Explainer(gathered.tracks, gathered.camera_names, gathered.rig)
     proposals: list[MergeProposal] = []
     for one in weighed:
         if one.probability < config.propose_probability:
             break
-        state, blocked_by = _own_word(one, config) if one.pair in decided else _state(one, identity_of, forbidden)
+        if one.pair in decided:
+            state, blocked_by = _own_word(one, config)
+        else:
+            a, b = (identity_of[track] for track in one.pair)
+            state, blocked_by = _state(members[a], members[b], forbidden)
         proposals.append(
             explainer.proposal(
                 one.candidate,
@@ -183,15 +190,12 @@ def _own_word(one: Weighed, config: IdentityConfig) -> tuple[MergeState, None]:
 
 
 def _state(
-    one: Weighed, identity_of: dict[int, int], forbidden: Forbidden
+    members_a: Sequence[int], members_b: Sequence[int], forbidden: Forbidden
 ) -> tuple[MergeState, tuple[int, int] | None]:
-    """What becomes of a pair, and which tracks forbid it where it is rejected."""
-    track_a, track_b = one.pair
-    if identity_of[track_a] == identity_of[track_b]:
+    """What becomes of a pair whose tracks are in identities of these tracks, and which tracks forbid it where it is
+    rejected."""
+    if members_a == members_b:
         return MergeState.ACCEPTED, None
-    members_a, members_b = (
-        [track for track, identity in identity_of.items() if identity == identity_of[own]] for own in one.pair
-    )
     for a in members_a:
         for b in members_b:
             if forbidden(a, b):
