@@ -7,6 +7,7 @@
 
 import { imageUrl } from "./api/imageUrl";
 import type { DriveDetail } from "./api/types";
+import { reviewedDrive } from "./app/driveAddress";
 import { firstWidths } from "./review/cameras/firstWidths";
 
 const KEPT_MS = 5_000;
@@ -42,10 +43,10 @@ async function askForFrame(driveId: number, frame: number): Promise<void> {
 }
 
 function begin({ pathname, search }: Location): void {
-  const driveId = /^\/drives\/(\d+)$/.exec(pathname)?.[1];
+  const driveId = reviewedDrive(pathname);
   if (driveId === undefined) return;
   const frame = Number(/[?&]frame=(\d{1,9})(?:&|$)/.exec(search)?.[1] ?? 0);
-  askForFrame(Number(driveId), frame).catch(() => undefined);
+  askForFrame(driveId, frame).catch(() => undefined);
   setTimeout(() => answers.clear(), KEPT_MS);
 }
 

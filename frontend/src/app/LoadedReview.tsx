@@ -1,5 +1,6 @@
 import { type ComponentType, lazy, useState } from "react";
 import { driveQuery, queryClient } from "../api/queries";
+import { reviewedDrive } from "./driveAddress";
 
 type Review = ComponentType<{ driveId: number }>;
 
@@ -24,8 +25,8 @@ export function LoadedReview({ driveId }: { driveId: number }) {
 
 /** Loads what the review of a drive shows first, so that it is made once, whole. Does nothing for other pages. */
 export async function preloadReview(pathname: string): Promise<void> {
-  const drive = /^\/drives\/(\d+)$/.exec(pathname)?.[1];
+  const drive = reviewedDrive(pathname);
   if (drive === undefined) return;
-  const needed = Promise.allSettled([load(), queryClient.prefetchQuery(driveQuery(Number(drive)))]);
+  const needed = Promise.allSettled([load(), queryClient.prefetchQuery(driveQuery(drive))]);
   await Promise.race([needed, new Promise((go) => setTimeout(go, PATIENCE_MS))]);
 }

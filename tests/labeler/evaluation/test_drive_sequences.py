@@ -44,10 +44,13 @@ def test_frames_and_truth_of_one_camera(workspace: Path) -> None:
     assert left.name == "turn-at-a-crossing, left"
     assert [frame.frame_index for frame in left.frames] == list(range(0, 60, 2))
     drive = open_drive(SAMPLE)
-    boxes = drive.read_truth(drive.frames).boxes_2d  # type: ignore[union-attr]
-    rows = [row for row, camera in enumerate(boxes.camera) if camera == "left" and boxes.frame_index[row] % 2 == 0]  # type: ignore[union-attr]
+    truth = drive.read_truth(drive.frames)
+    assert truth is not None
+    boxes = truth.boxes_2d
+    assert boxes is not None
+    rows = [row for row, camera in enumerate(boxes.camera) if camera == "left" and boxes.frame_index[row] % 2 == 0]
     assert len(left.truth) == len(rows) > 100
-    assert set(left.truth.image.tolist()) == set(boxes.frame_index[rows].tolist())  # type: ignore[union-attr]
+    assert set(left.truth.image.tolist()) == set(boxes.frame_index[rows].tolist())
     motion = left.motion_of(TrackingConfig())
     assert motion is not None
     assert motion.timestamp_ns.tolist() == [frame.timestamp_ns for frame in left.frames]
