@@ -52,6 +52,26 @@ def iou_3d(
     return (shared_m3 / union_m3 if union_m3 > 0 else 0.0, shared_m2 / union_m2 if union_m2 > 0 else 0.0)
 
 
+def bev_iou_limit(
+    center_m: NDArray[np.floating], size_m: NDArray[np.floating], yaw_rad: NDArray[np.floating]
+) -> NDArray[np.float64]:
+    """(N, N) what the bird's-eye IoU of each two of N boxes is at most: cheap, to leave out pairs that are apart.
+
+    Both lie between their outermost points along the line through their centres and across it, so they share at most
+    the rectangle where these spans meet."""
+    half_m = size_m[:, :2].astype(np.float64) / 2
+    apart_m = center_m[None, :, :2].astype(np.float64) - center_m[:, None, :2]
+    distance_m = np.hypot(apart_m[..., 0], apart_m[..., 1])
+    turned_rad = np.arctan2(apart_m[..., 1], apart_m[..., 0]) - yaw_rad[:, None]
+    cos, sin = np.abs(np.cos(turned_rad)), np.abs(np.sin(turned_rad))
+    along_m = half_m[:, :1] * cos + half_m[:, 1:] * sin
+    across_m = half_m[:, :1] * sin + half_m[:, 1:] * cos
+    meet_m = np.minimum(along_m + along_m.T - distance_m, 2 * np.minimum(along_m, along_m.T)).clip(min=0)
+    area_m2 = 4 * half_m.prod(axis=1)
+    shared_m2 = np.minimum(meet_m * 2 * np.minimum(across_m, across_m.T), np.minimum(area_m2[:, None], area_m2))
+    return shared_m2 / np.maximum(area_m2[:, None] + area_m2 - shared_m2, 1e-9)
+
+
 def _rectangle(
     center_m: NDArray[np.floating], size_m: NDArray[np.floating], yaw_rad: float
 ) -> tuple[tuple[float, float], tuple[float, float], float]:

@@ -29,7 +29,7 @@ class ClusterBoxMaker:
     def boxes(self, scene: Scene, cameras: Mapping[str, CameraInput]) -> dict[str, Boxes3D]:
         """As :class:`labeler.lidar.makers.BoxMaker` has it. A detection with fewer than ``config.min_points`` points
         of its own gets no box."""
-        xyz_m = scene.xyz_m[scene.clear]
+        xyz_m = scene.clear_xyz_m
         clusters = grow_clusters(self._clusters(xyz_m, cameras), xyz_m, self._config)
         objects = Objects.of(link_clusters(clusters, len(xyz_m)), clusters)
         boxes = fit_boxes(objects, clusters, scene, self._config)

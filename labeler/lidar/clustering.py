@@ -163,7 +163,7 @@ def _width_fit(
     in the image, softened because a half hidden object fills only a part of its box. Its neighbour fills another."""
     if not len(component):
         return np.zeros(0)
-    x = painted.pixel[:, 0]
+    x = painted.pixel[:, 0].astype(np.float64)  # of the type of what is filled, or ufunc.at takes its slow way
     low, high = np.full(int(component.max()) + 1, np.inf), np.full(int(component.max()) + 1, -np.inf)
     np.minimum.at(low, component, x)
     np.maximum.at(high, component, x)

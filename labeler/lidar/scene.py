@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +12,8 @@ from labeler.drive.types import Sweep
 from labeler.geometry.se3 import transform_points
 from labeler.lidar.config import LidarConfig
 from labeler.lidar.ground import Ground, above_ground, estimate_ground
+
+_STRONG_INTENSITY = 0.99
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,6 +28,26 @@ class Scene:
     offset_s: NDArray[np.float32]
     ground: Ground
     clear: NDArray[np.intp]
+
+    @cached_property
+    def clear_xyz_m(self) -> NDArray[np.float32]:
+        """(K, 3) the clear points."""
+        return self.xyz_m[self.clear]
+
+    @cached_property
+    def clear_above_m(self) -> NDArray[np.float32]:
+        """(K,) how high the clear points are above the ground, NaN where that is not known."""
+        return self.clear_xyz_m[:, 2] - self.ground.at(self.clear_xyz_m[:, :2])
+
+    @cached_property
+    def relative_intensity(self) -> NDArray[np.float32]:
+        """(N,) in 0..1: sensors count in units of their own, so as a share of a sweep's strongest returns. What is not
+        finite is 0."""
+        usable = np.nan_to_num(self.intensity, nan=0.0, posinf=0.0, neginf=0.0)
+        strong = float(np.quantile(usable, _STRONG_INTENSITY)) if len(usable) else 0.0
+        if strong <= 0:
+            return np.zeros(len(usable), np.float32)
+        return np.clip(usable / np.float32(strong), 0, 1).astype(np.float32)
 
 
 def prepare_scene(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -49,18 +50,26 @@ class SegmentationScores:
         Between the centres of cells the scores are interpolated (bilinear). A place outside of the image, or one that
         is not finite, scores 0 in every class.
         """
+        return self.sums_at(pixels, [(plane,) for plane in range(len(self.class_names))])
+
+    def sums_at(self, pixels: NDArray[np.floating], groups: Sequence[Sequence[int]]) -> NDArray[np.float32]:
+        """(N, G) float32 sums of the scores of each of G groups of classes, by number; places as for :meth:`at`."""
         if pixels.ndim != 2 or pixels.shape[1] != 2:
             raise ValueError(f"pixels must be (N, 2), got {pixels.shape}")
-        found = np.zeros((len(pixels), len(self.class_names)), np.float32)
-        inside = np.flatnonzero(((pixels >= 0) & (pixels < np.array(self.size_px))).all(axis=1))
-        last = np.array(self.scores.shape[:0:-1]) - 1
-        cell = np.clip(pixels[inside].astype(np.float32) / np.float32(self.stride_px) - np.float32(0.5), 0, last)
-        low = cell.astype(np.intp)
-        (x1, y1), (x2, y2) = low.T, np.minimum(low + 1, last).T
-        right, below = (cell - low).astype(np.float32).T
-        upper = self.scores[:, y1, x1] * (1 - right) + self.scores[:, y1, x2] * right
-        lower = self.scores[:, y2, x1] * (1 - right) + self.scores[:, y2, x2] * right
-        found[inside] = ((upper * (1 - below) + lower * below) / np.float32(_CERTAIN)).T
+        found = np.zeros((len(pixels), len(groups)), np.float32)
+        width, height = self.size_px
+        x, y = pixels[:, 0], pixels[:, 1]
+        inside = np.flatnonzero((x >= 0) & (x < width) & (y >= 0) & (y < height))
+        rows, columns = self.scores.shape[1:]
+        column, right = _cell_and_share(x[inside], self.stride_px, columns)
+        row, below = _cell_and_share(y[inside], self.stride_px, rows)
+        corner = row * columns + column
+        to_right, to_below = np.where(column < columns - 1, 1, 0), np.where(row < rows - 1, columns, 0)
+        for number, group in enumerate(groups):
+            plane = self.scores[list(group)].sum(axis=0, dtype=np.float32).ravel()
+            upper = _between(plane[corner], plane[corner + to_right], right)
+            lower = _between(plane[corner + to_below], plane[corner + to_below + to_right], right)
+            found[inside, number] = _between(upper, lower, below) / np.float32(_CERTAIN)
         return found
 
     def class_index(self, name: str) -> int | None:
@@ -69,3 +78,16 @@ class SegmentationScores:
             if known.lower() == name.lower():
                 return index
         return None
+
+
+def _cell_and_share(
+    place_px: NDArray[np.floating], stride_px: float, cells: int
+) -> tuple[NDArray[np.intp], NDArray[np.float32]]:
+    """Between the centres of which cells (N,) coordinates lie: the lower one, and the share of the way to the next."""
+    place = np.clip(place_px.astype(np.float32) / np.float32(stride_px) - np.float32(0.5), 0, cells - 1)
+    low = place.astype(np.intp)
+    return low, (place - low).astype(np.float32)
+
+
+def _between(low: NDArray[np.float32], high: NDArray[np.float32], share: NDArray[np.float32]) -> NDArray[np.float32]:
+    return low + (high - low) * share

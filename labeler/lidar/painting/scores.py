@@ -18,8 +18,8 @@ class PixelScores(Protocol):
     @property
     def class_names(self) -> tuple[str, ...]: ...
 
-    def at(self, pixels: NDArray[np.floating]) -> NDArray[np.float32]:
-        """(N, C) scores in 0..1 of (N, 2) pixels."""
+    def sums_at(self, pixels: NDArray[np.floating], groups: Sequence[Sequence[int]]) -> NDArray[np.float32]:
+        """(N, G) scores in 0..1 of (N, 2) pixels: for each group of classes, the sum of theirs."""
         ...
 
 
@@ -29,12 +29,16 @@ def scores_of_classes(
     """(N, K) how surely each of (N, 2) pixels shows each of K classes; ``unknown`` for one that the segmentation does
     not know. Classes of vehicles, and "vehicle", stand for one another.
     """
-    found = scores.at(pixels)
+    groups = [
+        tuple(plane for plane, known in enumerate(scores.class_names) if known.lower() in _meaning(name))
+        for name in class_names
+    ]
+    known_groups = sorted({group for group in groups if group})  # all vehicles are one: looked up once
+    found = np.minimum(scores.sums_at(pixels, known_groups), np.float32(1))
     shown = np.full((len(pixels), len(class_names)), unknown, np.float32)
-    for number, name in enumerate(class_names):
-        planes = [plane for plane, known in enumerate(scores.class_names) if known.lower() in _meaning(name)]
-        if planes:
-            shown[:, number] = np.minimum(found[:, planes].sum(axis=1), 1.0)
+    for number, group in enumerate(groups):
+        if group:
+            shown[:, number] = found[:, known_groups.index(group)]
     return shown
 
 

@@ -65,28 +65,17 @@ class View:
         """(3,) where the camera is in the ego frame."""
         return self.ego_SE3_camera[:3, 3]
 
-    def project(self, xyz_m: NDArray[np.floating]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        """(N, 2) float32 pixels and (N,) float32 depths of (N, 3) points in the ego frame; pixels of points that are
-        not in front of the camera mean nothing."""
-        matrix = (self.intrinsics @ self.camera_SE3_ego[:3]).astype(np.float32)
-        with np.errstate(invalid="ignore", over="ignore"):  # points that are not finite get no finite pixel
-            homogeneous = xyz_m.astype(np.float32, copy=False) @ matrix[:, :3].T + matrix[:, 3]
-            depth_m = homogeneous[:, 2]
-            pixel = homogeneous[:, :2] / np.maximum(depth_m, np.float32(1e-3))[:, None]
-        return pixel.astype(np.float32, copy=False), depth_m.astype(np.float32, copy=False)
-
     def see(self, xyz_m: NDArray[np.floating]) -> Sight:
         """Which of (N, 3) points in the ego frame project into the image. Those that are not finite do not."""
-        forward = self.camera_SE3_ego[2].astype(np.float32)
-        with np.errstate(invalid="ignore", over="ignore"):
-            ahead_m = xyz_m[:, 0] * forward[0] + xyz_m[:, 1] * forward[1] + xyz_m[:, 2] * forward[2] + forward[3]
-            ahead = np.flatnonzero((ahead_m > MIN_DEPTH_M) & (ahead_m < np.inf))
-        pixel, depth_m = self.project(xyz_m[ahead])
+        matrix = (self.intrinsics @ self.camera_SE3_ego[:3]).astype(np.float32)
+        with np.errstate(invalid="ignore", over="ignore"):  # points that are not finite get no finite pixel
+            x, y, depth_m = matrix[:, :3] @ xyz_m.T.astype(np.float32, copy=False) + matrix[:, 3:]
+            ahead = np.flatnonzero((depth_m > MIN_DEPTH_M) & (depth_m < np.inf))
+            depth_m = depth_m[ahead]
+            x, y = x[ahead] / depth_m, y[ahead] / depth_m
         width, height = self.size_px
-        x, y = pixel[:, 0], pixel[:, 1]
-        with np.errstate(invalid="ignore"):
-            inside = np.flatnonzero((x >= 0) & (x < width) & (y >= 0) & (y < height))
-        return Sight(ahead[inside], pixel[inside], depth_m[inside])
+        inside = np.flatnonzero((x >= 0) & (x < width) & (y >= 0) & (y < height))
+        return Sight(ahead[inside], np.stack([x[inside], y[inside]], axis=1), depth_m[inside])
 
     def sides_cutting(self, xyxy_px: NDArray[np.floating]) -> NDArray[np.bool_]:
         """(N, 4) which sides of the image cut each of (N, 4) boxes: left, top, right, bottom."""

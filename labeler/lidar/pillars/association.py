@@ -22,6 +22,18 @@ _LEAST_SHARE = 0.6
 _MIN_DEPTH_M = 0.1
 
 
+def near_detections(
+    center_m: NDArray[np.float64],
+    size_m: NDArray[np.float64],
+    yaw_rad: NDArray[np.float64],
+    detected_px: NDArray[np.float32],
+    view: View,
+) -> NDArray[np.intp]:
+    """The rows of boxes in the ego frame that overlap a detection (D, 4) at all: no other can be associated."""
+    iou = iou_matrix(projected(center_m, size_m, yaw_rad, view), detected_px)
+    return np.flatnonzero((iou >= _LEAST_IOU).any(axis=1))
+
+
 def associate(
     center_m: NDArray[np.float64],
     size_m: NDArray[np.float64],

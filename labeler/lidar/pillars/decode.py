@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from labeler.geometry.boxes_3d import bev_intersection
+from labeler.geometry.boxes_3d import bev_intersection, bev_iou_limit
 from labeler.lidar.pillars.grouping import Grid
 
 STRIDE = 2
@@ -108,10 +108,9 @@ def decode(output: NDArray[np.float32], grid: Grid, *, min_score: float) -> Pill
 def without_overlaps(boxes: PillarBoxes) -> NDArray[np.intp]:
     """The rows of boxes that overlap no surer one that stays; two objects can't be in one place."""
     kept: list[int] = []
-    reach_m = np.hypot(boxes.size_m[:, 0], boxes.size_m[:, 1]) / 2
+    may_overlap = bev_iou_limit(boxes.center_m, boxes.size_m, boxes.yaw_rad) > _SAME_PLACE_IOU
     for row in range(len(boxes)):
-        apart_m = np.hypot(*(boxes.center_m[kept, :2] - boxes.center_m[row, :2]).T)
-        near = [kept[k] for k in np.flatnonzero(apart_m < reach_m[kept] + reach_m[row]).tolist()]
+        near = [other for other in kept if may_overlap[row, other]]
         if all(_bev_iou(boxes, row, other) <= _SAME_PLACE_IOU for other in near):
             kept.append(row)
     return np.array(kept, np.intp)

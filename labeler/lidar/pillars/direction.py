@@ -13,6 +13,7 @@ from labeler.lidar.config import LidarConfig
 from labeler.lidar.painting.cloud import POINT_COLUMNS, paint_cloud
 from labeler.lidar.painting.scores import PixelScores
 from labeler.lidar.painting.view import View
+from labeler.lidar.pillars.grouping import Grid
 from labeler.lidar.scene import Scene
 
 PAINTED_CLASSES = ("vehicle", "building", "vegetation")
@@ -21,7 +22,6 @@ PAINTED_CLASSES = ("vehicle", "building", "vegetation")
 SEEN_COLUMN = POINT_COLUMNS
 """After x, y, z and intensity: 1 where the camera's image shows the point; the scores come after it."""
 
-_STRONG_INTENSITY = 0.99
 _UPRIGHT = 1e-3
 
 
@@ -52,21 +52,27 @@ class Direction:
 
 
 def direction_cloud(
-    scene: Scene, view: View, scores: PixelScores | None, config: LidarConfig
+    scene: Scene, view: View, scores: PixelScores | None, config: LidarConfig, *, within: Grid | None = None
 ) -> tuple[NDArray[np.float32], NDArray[np.intp]]:
-    """The points of a scene that stand clear of the ground, in the frame of a camera's direction.
+    """The points of a scene that stand clear of the ground, in the frame of a camera's direction; with a grid, those
+    ``within`` it. (No point outside hides one inside: sight goes outward, and does not come back.)
 
     (N, 5 + C) float32: x and y in the direction's frame, z above the ground, intensity as a share of the strongest
     ones of the sweep, 1 where the image shows the point, and the C scores of :data:`PAINTED_CLASSES`, all 0 where
     ``scores`` is None. With them (N,) the row of each in the scene. A sweep without known ground gives no points.
     """
-    xyz_m = scene.xyz_m[scene.clear]
-    above_m = xyz_m[:, 2] - scene.ground.at(xyz_m[:, :2])
-    known = np.isfinite(above_m)
-    rows, xyz_m, above_m = scene.clear[known], xyz_m[known], above_m[known]
+    rows, xyz_m, above_m = scene.clear, scene.clear_xyz_m, scene.clear_above_m
+    direction = Direction.of(view)
+    xy_m = direction.from_ego(xyz_m[:, :2])
+    wanted = np.isfinite(above_m)
+    if within is not None:
+        wanted &= (xy_m[:, 0] >= within.x_min_m) & (xy_m[:, 0] < within.x_max_m)
+        wanted &= (xy_m[:, 1] >= within.y_min_m) & (xy_m[:, 1] < within.y_max_m)
+    chosen = np.flatnonzero(wanted)
+    rows, xyz_m = rows[chosen], xyz_m[chosen]
     painted = paint_cloud(
         xyz_m,
-        relative_intensity(scene.intensity)[rows],
+        scene.relative_intensity[rows],
         view,
         painted_classes=PAINTED_CLASSES,
         detections=Detections.empty(),
@@ -75,22 +81,12 @@ def direction_cloud(
         config=config,
     )
     cloud = np.empty((len(rows), SEEN_COLUMN + 1 + len(PAINTED_CLASSES)), np.float32)
-    cloud[:, :2] = Direction.of(view).from_ego(xyz_m[:, :2].astype(np.float64))
-    cloud[:, 2] = above_m
+    cloud[:, :2] = xy_m[chosen]
+    cloud[:, 2] = above_m[chosen]
     cloud[:, 3] = painted.points[:, 3]
     cloud[:, SEEN_COLUMN] = painted.seen
     cloud[:, SEEN_COLUMN + 1 :] = painted.points[:, POINT_COLUMNS:]
     return cloud, rows
-
-
-def relative_intensity(intensity: NDArray[np.float32]) -> NDArray[np.float32]:
-    """(N,) in 0..1: sensors count in units of their own, so as a share of a sweep's strongest returns. What is not
-    finite is 0."""
-    usable = np.nan_to_num(intensity, nan=0.0, posinf=0.0, neginf=0.0)
-    strong = float(np.quantile(usable, _STRONG_INTENSITY)) if len(usable) else 0.0
-    if strong <= 0:
-        return np.zeros(len(usable), np.float32)
-    return np.clip(usable / np.float32(strong), 0, 1).astype(np.float32)
 
 
 def columns_for(painted_classes: Sequence[str]) -> int:

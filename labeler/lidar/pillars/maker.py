@@ -19,7 +19,8 @@ from numpy.typing import NDArray
 from labeler.lidar.cluster_boxes import ClusterBoxMaker
 from labeler.lidar.config import LidarConfig
 from labeler.lidar.makers import CameraInput, LidarError
-from labeler.lidar.pillars.association import associate
+from labeler.lidar.painting.view import View
+from labeler.lidar.pillars.association import associate, near_detections
 from labeler.lidar.pillars.decode import PillarBoxes
 from labeler.lidar.pillars.direction import Direction, direction_cloud
 from labeler.lidar.pillars.joining import joined, seen_by_several
@@ -29,6 +30,8 @@ from labeler.lidar.types import Boxes3D, BoxSource
 from labeler.models import SHIPPED, Task
 
 _NEAR_BOX_M = 0.15
+_CELLS_AROUND = 20
+"""How far points are looked at beyond the network's grid: a box whose middle lies in it may reach out."""
 
 
 class PillarBoxMaker:
@@ -59,16 +62,18 @@ class PillarBoxMaker:
         """The network's boxes of a direction that belong to a detection."""
         if not len(camera.detections) or not len(scene.clear) or (self._model.painted and camera.scores is None):
             return Boxes3D.empty()
-        cloud, rows = direction_cloud(scene, camera.view, camera.scores, self._config)
+        view, detected_px = camera.view, camera.detections.xyxy_px
+        around = self._model.grid.widened(_CELLS_AROUND)
+        cloud, rows = direction_cloud(scene, view, camera.scores, self._config, within=around)
         found = self._model.find(cloud, min_score=self._config.min_network_score)
         if not len(found):
             return Boxes3D.empty()
+        near = near_detections(*_in_ego(found, view, scene), detected_px, view)
+        found = found[near]
+        center_m, size_m, yaw_rad = _in_ego(found, view, scene)
         held = _held(cloud, found)
-        direction = Direction.of(camera.view)
-        xy_m, yaw_rad = direction.to_ego(found.center_m[:, :2]), found.yaw_rad + direction.yaw_rad
-        center_m = np.concatenate([xy_m, found.center_m[:, 2:] + scene.ground.at(xy_m)[:, None]], axis=1)
         points_m = [scene.xyz_m[rows[inside]] for inside in held]
-        detection, _ = associate(center_m, found.size_m, yaw_rad, points_m, camera.detections.xyxy_px, camera.view)
+        detection, _ = associate(center_m, size_m, yaw_rad, points_m, detected_px, view)
         chosen: NDArray[np.intp] = np.flatnonzero(detection >= 0)
         chosen = chosen[np.argsort(detection[chosen], kind="stable")]
         numbers: list[int] = chosen.tolist()
@@ -77,7 +82,7 @@ class PillarBoxMaker:
         of_class = self._class_of[found.class_index[chosen]]
         return Boxes3D(
             center_m=center_m[chosen].astype(np.float32),
-            size_m=found.size_m[chosen].astype(np.float32),
+            size_m=size_m[chosen].astype(np.float32),
             yaw_rad=((yaw_rad[chosen] + np.pi) % (2 * np.pi) - np.pi).astype(np.float32),
             score=found.score[chosen].astype(np.float32),
             class_id=np.where(of_class >= 0, of_class, camera.detections.class_id[detection[chosen]]).astype(np.int16),
@@ -105,16 +110,24 @@ def _opened(path: Path) -> PillarModel:
     return PillarModel(path)
 
 
+def _in_ego(
+    found: PillarBoxes, view: View, scene: Scene
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """(N, 3) centres in the ego frame, (N, 3) sizes and (N,) yaws of the boxes of a view's direction."""
+    direction = Direction.of(view)
+    xy_m = direction.to_ego(found.center_m[:, :2])
+    center_m = np.concatenate([xy_m, found.center_m[:, 2:] + scene.ground.at(xy_m)[:, None]], axis=1)
+    return center_m, found.size_m, found.yaw_rad + direction.yaw_rad
+
+
 def _held(cloud: NDArray[np.float32], boxes: PillarBoxes) -> list[NDArray[np.intp]]:
     """The rows of the cloud in each box, or within a hand's breadth of it."""
-    order = np.argsort(cloud[:, 0], kind="stable")
-    x_m = cloud[order, 0]
+    x_m, y_m = np.ascontiguousarray(cloud[:, 0]), np.ascontiguousarray(cloud[:, 1])
     held: list[NDArray[np.intp]] = []
     for row in range(len(boxes)):
         half_m = boxes.size_m[row] / 2 + _NEAR_BOX_M
-        reach_m = float(np.hypot(half_m[0], half_m[1]))
-        middle_m = float(boxes.center_m[row, 0])
-        near = order[np.searchsorted(x_m, middle_m - reach_m) : np.searchsorted(x_m, middle_m + reach_m)]
+        (middle_x, middle_y), reach_m = boxes.center_m[row, :2].tolist(), float(np.hypot(half_m[0], half_m[1]))
+        near = np.flatnonzero((np.abs(x_m - middle_x) <= reach_m) & (np.abs(y_m - middle_y) <= reach_m))
         along_m, across_m = _in_box_axes(cloud[near, :2], boxes, row)
         inside = (np.abs(along_m) <= half_m[0]) & (np.abs(across_m) <= half_m[1])
         inside &= np.abs(cloud[near, 2] - boxes.center_m[row, 2]) <= half_m[2]

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from labeler.geometry.boxes_3d import bev_intersection, corners_of, iou_3d
+from labeler.geometry.boxes_3d import bev_intersection, bev_iou_limit, corners_of, iou_3d
 
 _metres = st.floats(-60, 60)
 _size = st.tuples(st.floats(0.3, 12), st.floats(0.3, 4), st.floats(0.3, 4)).map(np.array)
@@ -106,3 +106,32 @@ def test_corners_stand_half_a_diagonal_from_the_centre(center, size, yaw) -> Non
     corners = corners_of(center[None], size[None], np.array([yaw]))[0]
     np.testing.assert_allclose(np.linalg.norm(corners - center, axis=1), np.linalg.norm(size) / 2)
     np.testing.assert_allclose(corners.mean(axis=0), center, atol=1e-9)
+
+
+_box = st.tuples(_center, _size, _yaw)
+
+
+@given(st.lists(_box, min_size=1, max_size=5))
+def test_no_two_boxes_overlap_more_than_their_limit(boxes: list[tuple[np.ndarray, np.ndarray, float]]) -> None:
+    center_m, size_m, yaw_rad = (np.array(column) for column in zip(*boxes, strict=True))
+    center_m[:, :2] /= 10  # close enough to meet
+    limit = bev_iou_limit(center_m, size_m, yaw_rad)
+    for a in range(len(boxes)):
+        for b in range(len(boxes)):
+            found = iou_3d(center_m[a], size_m[a], yaw_rad[a], center_m[b], size_m[b], yaw_rad[b])[1]
+            assert found <= limit[a, b] + 1e-4
+
+
+@pytest.mark.parametrize(
+    ("center_b", "yaw_b", "limit"),
+    [
+        ([0, 0, 0], 0.0, 1.0),  # the same
+        ([2, 0, 0], 0.0, 1 / 3),  # half a length ahead: 4 of 12
+        ([4, 0, 0], 0.0, 0.0),  # bumper to bumper
+        ([0, 2.1, 0], 0.0, 0.0),  # side by side: their circles meet, they don't
+        ([0, 0, 5], 0.0, 1.0),  # heights do not matter
+    ],
+)
+def test_limit_of_a_car_at_the_origin_and_another(center_b: list[float], yaw_b: float, limit: float) -> None:
+    found = bev_iou_limit(np.array([[0, 0, 0], center_b], float), np.stack([_CAR, _CAR]), np.array([0, yaw_b]))
+    np.testing.assert_allclose(found, [[1, limit], [limit, 1]], atol=1e-9)

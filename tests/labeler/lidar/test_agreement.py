@@ -40,7 +40,7 @@ def measured(axis: str, turned_deg: float) -> Agreement:
     scene = prepare_scene(Sweep(0, xyz_m, np.zeros(len(xyz_m), np.float32)), CONFIG)
     turn = Rotation.from_euler(axis, turned_deg, degrees=True).as_matrix()
     true_view = View(se3(LOOKS_AHEAD @ turn, [0, 0, 0]), INTRINSICS, (1200, 400))
-    pixels = [true_view.project(car.astype(np.float32))[0] for car in cars]
+    pixels = [true_view.see(car.astype(np.float32)).pixel for car in cars]
     boxes_px = np.array([[*pixel.min(axis=0), *pixel.max(axis=0)] for pixel in pixels], np.float32)
     found = Detections(boxes_px, np.full(len(cars), 0.9, np.float32), np.zeros(len(cars), np.int16))
     told = CameraInput(View(se3(LOOKS_AHEAD, [0, 0, 0]), INTRINSICS, (1200, 400)), found)

@@ -1,3 +1,5 @@
+from collections.abc import Sequence
+
 import numpy as np
 import pytest
 
@@ -85,9 +87,9 @@ class Halves:
 
     class_names = ("road", "vehicle")
 
-    def at(self, pixels: np.ndarray) -> np.ndarray:
+    def sums_at(self, pixels: np.ndarray, groups: Sequence[Sequence[int]]) -> np.ndarray:
         left = (pixels[:, 0] < 200).astype(np.float32)
-        return np.stack([1 - left, left], axis=1)
+        return np.stack([np.stack([1 - left, left])[list(group)].sum(axis=0) for group in groups], axis=1)
 
 
 @pytest.mark.parametrize(

@@ -46,6 +46,12 @@ def test_places_outside_of_the_image_score_nothing(pixel: tuple[float, float]) -
     np.testing.assert_array_equal(made_scores().at(np.array([pixel, (6, 2)])), [[0, 0], [0, 1]])
 
 
+def test_groups_of_classes_are_summed() -> None:
+    pixels = np.array([[4, 2], [6, 2], [-1, 2]], np.float32)
+    found = made_scores().sums_at(pixels, [(1,), (0, 1)])
+    np.testing.assert_allclose(found, [[0.5, 1], [1, 1], [0, 0]], atol=1e-6)
+
+
 def test_no_places_give_no_rows() -> None:
     assert made_scores().at(np.zeros((0, 2), np.float32)).shape == (0, 2)
 

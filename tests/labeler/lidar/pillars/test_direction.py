@@ -6,7 +6,8 @@ import pytest
 from labeler.drive.types import Calibration, Camera, Sweep
 from labeler.geometry.se3 import se3
 from labeler.lidar import LidarConfig, Scene, View, prepare_scene
-from labeler.lidar.pillars.direction import PAINTED_CLASSES, Direction, direction_cloud, relative_intensity
+from labeler.lidar.pillars.direction import PAINTED_CLASSES, Direction, direction_cloud
+from labeler.lidar.pillars.grouping import Grid
 from labeler.segmentation import SegmentationScores
 
 CONFIG = LidarConfig()
@@ -74,6 +75,15 @@ def test_without_a_segmentation_points_are_seen_but_not_painted() -> None:
     np.testing.assert_array_equal(cloud[0, 4:], [1, 0, 0, 0])
 
 
+def test_within_a_grid_points_are_as_without_it() -> None:
+    grid = Grid(x_min_m=0, y_min_m=-4, cell_m=1, rows=20, columns=8)
+    made = scene((10, 0, 0), (12, 0, 0), (10, 5, 0), (25, 1, 0), (19.5, -3.5, 0))  # two of them outside
+    whole, rows = direction_cloud(made, view(), scores(204), CONFIG)
+    inside, inside_rows = direction_cloud(made, view(), scores(204), CONFIG, within=grid)
+    np.testing.assert_array_equal(inside[:, 0], np.array([10, 12, 19.5], np.float32))
+    np.testing.assert_array_equal(inside, whole[np.isin(rows, inside_rows)])
+
+
 def test_an_empty_sweep_gives_an_empty_cloud() -> None:
     empty = prepare_scene(Sweep(0, np.zeros((0, 3), np.float32), np.zeros(0, np.float32)), CONFIG)
     cloud, rows = direction_cloud(empty, view(), scores(255), CONFIG)
@@ -92,5 +102,6 @@ def test_an_empty_sweep_gives_an_empty_cloud() -> None:
     ],
 )
 def test_intensity_is_a_share_of_the_strongest(intensity: list[float], expected: list[float]) -> None:
-    found = relative_intensity(np.array(intensity, np.float32))
-    np.testing.assert_allclose(found, expected, atol=0.02)
+    points = np.zeros((len(intensity), 3), np.float32)
+    made = prepare_scene(Sweep(0, points, np.array(intensity, np.float32)), CONFIG)
+    np.testing.assert_allclose(made.relative_intensity, expected, atol=0.02)
