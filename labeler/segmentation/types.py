@@ -90,4 +90,4 @@ def _cell_and_share(
 
 
 def _between(low: NDArray[np.float32], high: NDArray[np.float32], share: NDArray[np.float32]) -> NDArray[np.float32]:
-    return low + (high - low) * share
+    return np.asarray(low + (high - low) * share, np.float32)
