@@ -20,7 +20,7 @@ from labeler.training.drive_plan import simulate_planned
 from labeler.training.errors import TrainingError
 from labeler.training.pictures import find_drives
 from labeler.training.pillar_validation import PillarReport
-from labeler.training.recipes import DETECTOR, PILLARS, SEGMENTATION, UNPAINTED_PILLARS, Recipe
+from labeler.training.recipes import DETECTOR, PILLARS, SEGMENTATION, UNPAINTED_PILLARS, Device, Recipe
 from labeler.training.segmentation_validation import SegmentationReport
 from labeler.training.validation import validate_model
 
@@ -44,7 +44,16 @@ Drives = Annotated[
 Steps = Annotated[int, typer.Option(min=1, help="Steps in all.")]
 Seed = Annotated[int, typer.Option(min=0, help="The first weights and all examples follow from it.")]
 BatchSize = Annotated[int, typer.Option(min=1, help="Examples in a step.")]
-Workers = Annotated[int, typer.Option(min=1, help="Cores to use; they share the examples of a step.")]
+Workers = Annotated[
+    int | None,
+    typer.Option(
+        min=1,
+        help="Cores to use; they share the examples of a step. (default: 2, for segmentation 1; beside a GPU what the "
+        "cores allow)",
+        show_default=False,
+    ),
+]
+OnDevice = Annotated[Device, typer.Option("--device", help="What computes the gradients: cores, or an NVIDIA GPU.")]
 FIRST_SEED, EXAMPLES_A_STEP = 1, 8
 
 
@@ -71,13 +80,15 @@ def _command_for(recipe: Recipe, name: str, about: str) -> None:
         steps: Steps = recipe.steps,
         seed: Seed = FIRST_SEED,
         batch_size: BatchSize = EXAMPLES_A_STEP,
-        workers: Workers = recipe.workers,
+        workers: Workers = None,
+        device: OnDevice = Device.CPU,
     ) -> None:
         _require_torch()
         runs = importlib.import_module("labeler.training.runs")
         file: Path = runs.train_recipe(
-            recipe, run, drives, steps=steps, seed=seed, batch_size=batch_size, workers=workers, report=say
-        )
+            recipe, run, drives, steps=steps, seed=seed, batch_size=batch_size, workers=workers, device=device,
+            report=say,
+        )  # fmt: skip
         _say_written(file)
 
     train.command(name, help=about)(follow)
@@ -98,7 +109,8 @@ def pillars(
     steps: Steps = PILLARS.steps,
     seed: Seed = FIRST_SEED,
     batch_size: BatchSize = EXAMPLES_A_STEP,
-    workers: Workers = PILLARS.workers,
+    workers: Workers = None,
+    device: OnDevice = Device.CPU,
     painter: Annotated[
         str, typer.Option(help="The segmentation that paints the points: a name, or an .onnx file.")
     ] = "sim-segmentation",
@@ -119,7 +131,7 @@ def pillars(
     file: Path = runs.train_pillars(
         UNPAINTED_PILLARS if unpainted else PILLARS, run, drives, painter=chosen.path,
         clouds=clouds or run.absolute().parent / "clouds", steps=steps, seed=seed, batch_size=batch_size,
-        workers=workers, report=say,
+        workers=workers, device=device, report=say,
     )  # fmt: skip
     _say_written(file)
 

@@ -5,17 +5,26 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 import torch
 from torch import Tensor, nn
 
 from labeler.training.crops import CropConfig, CropSampler
+from labeler.training.devices import half_precision, on_device
 from labeler.training.pictures import DETECTOR_CLASSES, Picture
 from labeler.training.yolox_loss import TrueObjects, yolox_loss
 from labeler.training.yolox_network import NANO, Yolox, YoloxShape
+
+
+@dataclass(frozen=True, eq=False)
+class Crops:
+    """Examples of one size on a device: ``images`` (N, 3, H, W) uint8, and what they show."""
+
+    images: Tensor
+    truth: TrueObjects
 
 
 class DetectorTask:
@@ -36,24 +45,30 @@ class DetectorTask:
     def new_network(self) -> nn.Module:
         return Yolox(len(DETECTOR_CLASSES), self._shape)
 
-    def loss(self, network: nn.Module, rng: np.random.Generator, count: int) -> Tensor:
-        """The mean over the kinds of crops: a few large ones weigh as much as many small ones."""
-        counts = Counter(self._crops[index % len(self._crops)] for index in range(count))
-        losses = [
-            self._loss_on(network, config, [self._samplers[config].draw(rng) for _ in range(number)])
-            for config, number in counts.items()
-        ]
-        return torch.stack(losses).mean()
+    def examples(self, rng: np.random.Generator, numbers: range) -> list[Picture]:
+        dealt = [self._crops[number % len(self._crops)] for number in numbers]
+        in_order = [config for kind in dict.fromkeys(dealt) for config in dealt if config == kind]
+        return [replace(self._samplers[config].draw(rng), semantic=None) for config in in_order]
 
-    @staticmethod
-    def _loss_on(network: nn.Module, config: CropConfig, examples: Sequence[Picture]) -> Tensor:
-        images = torch.from_numpy(np.stack([example.image for example in examples])).permute(0, 3, 1, 2).float()
-        truths = [
-            TrueObjects(
-                torch.from_numpy(example.boxes_px),
-                torch.from_numpy(example.classes),
-                torch.from_numpy(example.ignored_px),
+    def batch(self, examples: Sequence[Picture], device: torch.device) -> list[Crops]:
+        of_size: dict[tuple[int, ...], list[Picture]] = {}
+        for example in examples:
+            of_size.setdefault(example.image.shape, []).append(example)
+        return [
+            Crops(
+                on_device(np.stack([picture.image for picture in pictures]), device).permute(0, 3, 1, 2),
+                TrueObjects.of(pictures, device),
             )
-            for example in examples
+            for pictures in of_size.values()
         ]
-        return yolox_loss(network(images), truths, (config.height_px, config.width_px))
+
+    def loss(self, network: nn.Module, batch: Sequence[Crops]) -> Tensor:
+        """The mean over the sizes of crops: a few large ones weigh as much as many small ones."""
+        with half_precision(batch[0].images.device):
+            outputs: list[Tensor] = [network(crops.images.float()) for crops in batch]
+        return torch.stack(
+            [
+                yolox_loss(cells.float(), crops.truth, (crops.images.shape[2], crops.images.shape[3]))
+                for cells, crops in zip(outputs, batch, strict=True)
+            ]
+        ).mean()

@@ -11,6 +11,7 @@ loss teaches the deviations alone and leaves the box as it is.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import torch
@@ -18,26 +19,50 @@ from torch import Tensor
 from torch.nn import functional
 
 from labeler.lidar.pillars.decode import Outputs
+from labeler.training.devices import on_device
 from labeler.training.pillar_targets import PillarTargets
 
 _SQRT2 = 2**0.5
 _OFFSET, _HEIGHT, _SIZE, _AXIS, _HEADING, _CLASS, _STD, _QUALITY = 2.0, 0.5, 2.0, 1.0, 0.2, 0.3, 0.1, 1.0
 
 
-def pillar_loss(output: Tensor, targets: Sequence[PillarTargets]) -> Tensor:
-    """Of (N, C, rows, columns) output against the targets of N examples: a sum of parts, each a mean over vehicles."""
-    flat = output.permute(0, 2, 3, 1).reshape(len(targets), -1, output.shape[1])
-    heat = torch.from_numpy(np.stack([target.heat.ravel() for target in targets]))
-    counts = torch.from_numpy(np.stack([target.counts.ravel() for target in targets]))
-    objects = max(1, sum(target.objects for target in targets))
-    total = _focal(flat[..., Outputs.HEAT], heat, counts) / objects
-    said = torch.cat([flat[number, torch.from_numpy(target.cell)] for number, target in enumerate(targets)])
-    if not len(said):
+@dataclass(frozen=True, eq=False)
+class AskedOfCells:
+    """The targets of N examples on a device: ``heat`` (N, cells) float32 and ``counts`` (N, cells) bool, and for the
+    K cells that learn a box, counted through all examples, ``cell``, ``weight``, ``box`` (K, 7) and ``classes``. There
+    are ``objects`` vehicles. See :class:`labeler.training.pillar_targets.PillarTargets`."""
+
+    heat: Tensor
+    counts: Tensor
+    cell: Tensor
+    weight: Tensor
+    box: Tensor
+    classes: Tensor
+    objects: int
+
+    @staticmethod
+    def of(targets: Sequence[PillarTargets], device: torch.device) -> AskedOfCells:
+        """Those of several examples of one size, together."""
+        cells = targets[0].heat.size
+        return AskedOfCells(
+            on_device(np.stack([target.heat.ravel() for target in targets]), device),
+            on_device(np.stack([target.counts.ravel() for target in targets]), device),
+            on_device(np.concatenate([target.cell + number * cells for number, target in enumerate(targets)]), device),
+            on_device(np.concatenate([target.weight for target in targets]), device),
+            on_device(np.concatenate([target.box for target in targets]), device),
+            on_device(np.concatenate([target.classes for target in targets]), device),
+            sum(target.objects for target in targets),
+        )
+
+
+def pillar_loss(output: Tensor, asked: AskedOfCells) -> Tensor:
+    """Of (N, C, rows, columns) output against what is asked for: a sum of parts, each a mean over vehicles."""
+    flat = output.permute(0, 2, 3, 1).reshape(-1, output.shape[1])
+    total = _focal(flat[:, Outputs.HEAT].reshape(asked.heat.shape), asked.heat, asked.counts) / max(1, asked.objects)
+    if not len(asked.cell):
         return total
-    box = torch.from_numpy(np.concatenate([target.box for target in targets]))
-    classes = torch.from_numpy(np.concatenate([target.classes for target in targets]))
-    weight = torch.from_numpy(np.concatenate([target.weight for target in targets]))
-    return total + (weight * _box_loss(said, box, classes)).sum() / weight.sum()
+    each = _box_loss(flat[asked.cell], asked.box, asked.classes)
+    return total + (asked.weight * each).sum() / asked.weight.sum()
 
 
 def _focal(logits: Tensor, heat: Tensor, counts: Tensor) -> Tensor:

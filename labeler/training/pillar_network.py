@@ -17,6 +17,7 @@ from torch.nn.functional import interpolate
 
 from labeler.lidar.pillars.decode import STRIDE, Outputs
 from labeler.lidar.pillars.grouping import Grid, features_of
+from labeler.training.devices import full_precision
 from labeler.training.yolox_network import AddedUnit, Pointwise, Unit, unit_3x3
 
 _PILLAR_CHANNELS = 32
@@ -57,9 +58,10 @@ class PillarNetwork(nn.Module):
 
     def forward(self, points: Tensor, cell: Tensor, grid: Grid, count: int = 1) -> Tensor:
         pillars, per_pillar, features = points.shape
-        told = self.normalise(self.of_points(points.reshape(-1, features))).relu()
+        with full_precision(points.device):  # in half precision places would be off by decimetres
+            told = self.normalise(self.of_points(points.reshape(-1, features))).relu()
         strongest = told.reshape(pillars, per_pillar, _PILLAR_CHANNELS).amax(dim=1)
-        flat = torch.zeros(count * grid.rows * grid.columns, _PILLAR_CHANNELS, dtype=strongest.dtype)
+        flat = strongest.new_zeros(count * grid.rows * grid.columns, _PILLAR_CHANNELS)
         flat = flat.index_put((cell,), strongest)
         x = flat.reshape(count, grid.rows, grid.columns, _PILLAR_CHANNELS).permute(0, 3, 1, 2)
         seen: list[Tensor] = []

@@ -6,20 +6,43 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import torch
 from torch import Tensor, nn
 
 from labeler.lidar.pillars.direction import PAINTED_CLASSES, columns_for
-from labeler.lidar.pillars.grouping import pillars_of
+from labeler.lidar.pillars.grouping import Grid, Pillars, pillars_of
 from labeler.training.cloud_examples import CloudSampler
 from labeler.training.clouds import PILLAR_CLASSES, DirectionSweep
-from labeler.training.pillar_loss import pillar_loss
+from labeler.training.devices import half_precision, on_device
+from labeler.training.pillar_loss import AskedOfCells, pillar_loss
 from labeler.training.pillar_network import PillarNetwork
-from labeler.training.pillar_targets import targets_of
+from labeler.training.pillar_targets import PillarTargets, targets_of
 
 WINDOW_CELLS = (64, 64)
+
+
+@dataclass(frozen=True, eq=False)
+class PillarExample:
+    """A window, grouped, and what the network shall answer for it."""
+
+    pillars: Pillars
+    targets: PillarTargets
+    grid: Grid
+
+
+@dataclass(frozen=True, eq=False)
+class PillarBatch:
+    """``count`` windows of one size on a device, one after the other: ``points`` (P, M, F) of their pillars, and the
+    ``cell`` (P,) of each among the cells of all."""
+
+    points: Tensor
+    cell: Tensor
+    grid: Grid
+    count: int
+    asked: AskedOfCells
 
 
 class PillarTask:
@@ -40,12 +63,22 @@ class PillarTask:
     def new_network(self) -> nn.Module:
         return PillarNetwork(self._columns, len(PILLAR_CLASSES))
 
-    def loss(self, network: nn.Module, rng: np.random.Generator, count: int) -> Tensor:
-        examples = [self._sampler.draw(rng) for _ in range(count)]
+    def examples(self, rng: np.random.Generator, numbers: range) -> list[PillarExample]:
+        drawn = [self._sampler.draw(rng) for _ in numbers]
+        return [
+            PillarExample(pillars_of(each.cloud[:, : self._columns], each.grid), targets_of(each), each.grid)
+            for each in drawn
+        ]
+
+    def batch(self, examples: Sequence[PillarExample], device: torch.device) -> PillarBatch:
         grid = examples[0].grid
-        pillars = [pillars_of(example.cloud[:, : self._columns], example.grid) for example in examples]
         cells = grid.rows * grid.columns
-        cell = np.concatenate([group.cell + number * cells for number, group in enumerate(pillars)])
-        points = np.concatenate([group.points for group in pillars])
-        output: Tensor = network(torch.from_numpy(points), torch.from_numpy(cell), grid, count)
-        return pillar_loss(output, [targets_of(example) for example in examples])
+        cell = np.concatenate([example.pillars.cell + number * cells for number, example in enumerate(examples)])
+        points = np.concatenate([example.pillars.points for example in examples])
+        asked = AskedOfCells.of([example.targets for example in examples], device)
+        return PillarBatch(on_device(points, device), on_device(cell, device), grid, len(examples), asked)
+
+    def loss(self, network: nn.Module, batch: PillarBatch) -> Tensor:
+        with half_precision(batch.points.device):
+            output: Tensor = network(batch.points, batch.cell, batch.grid, batch.count)
+        return pillar_loss(output.float(), batch.asked)

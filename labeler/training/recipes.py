@@ -3,15 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from enum import StrEnum
 
 from labeler.training.crops import CropConfig
+
+
+class Device(StrEnum):
+    """What computes the gradients."""
+
+    CPU = "cpu"
+    CUDA = "cuda"
 
 
 @dataclass(frozen=True)
 class Recipe:
     """A model by ``task``: its file's name, the examples it learns from, for how many ``steps``, at which rate, and
-    among how many ``workers`` its steps' examples are shared. The examples are dealt out to ``crops`` in turn; there
-    are none where windows of clouds are the examples."""
+    among how many ``workers`` its steps' examples are shared on the CPU. The examples are dealt out to ``crops`` in
+    turn; there are none where windows of clouds are the examples."""
 
     task: str
     file_name: str

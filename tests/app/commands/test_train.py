@@ -3,6 +3,7 @@
 import json
 from pathlib import Path
 
+import onnxruntime
 import pytest
 from typer.testing import CliRunner
 
@@ -28,6 +29,9 @@ def test_a_model_is_trained_written_and_measured(tmp_path: Path, task: str, file
     options = ("--drives", str(tmp_path / "drives"), "--steps", "2", "--batch-size", "2")
 
     run(task, str(tmp_path / "run"), *options)
+    metadata = onnxruntime.InferenceSession(tmp_path / "run" / file).get_modelmeta().custom_metadata_map
+    assert "--batch-size 2 --workers" in metadata["source"]
+    assert "from step 0 with --device cpu; from step 0: train0" in metadata["source"]
     report = json.loads(run("validate", str(tmp_path / "run" / file), "--drives", str(tmp_path / "drives"), "--json"))
 
     assert (report["model"], report["images"], report["drives"]) == (file, 1, ["train0"])
@@ -47,6 +51,18 @@ def test_a_pillar_network_is_trained_written_and_measured(tmp_path: Path) -> Non
     assert (report["model"], report["painted"], report["directions"]) == ("sim-pillars.onnx", True, 4)
     assert "right class" in run("validate", file, *drives)
     assert [path.name[:7] for path in (tmp_path / "clouds").iterdir()] == ["train0-"]
+
+
+@pytest.mark.parametrize("task", ["detector", "segmentation", "pillars"])
+def test_a_gpu_that_is_not_there_is_said_to_be_missing(tmp_path: Path, task: str) -> None:
+    torch = pytest.importorskip("torch", reason="needs torch, of the extra `training`")
+    if torch.cuda.is_available():
+        pytest.skip("there is a GPU")
+    result = CliRunner().invoke(main, ["train", task, str(tmp_path / "run"), "-d", "nowhere", "--device", "cuda"])
+
+    assert result.exit_code == 1
+    assert "needs an NVIDIA GPU that torch can use" in " ".join(result.stderr.split())
+    assert not (tmp_path / "run").exists()
 
 
 def test_pillars_need_a_painter(tmp_path: Path) -> None:

@@ -14,17 +14,23 @@ from labeler.inference import ModelError
 from labeler.lidar.pillars.decode import Outputs, decode
 from labeler.lidar.pillars.grouping import Grid, pillars_of
 from labeler.lidar.pillars.network import PillarModel
-from labeler.training.loop import TrainingConfig, train
+from labeler.training.devices import CPU
+from labeler.training.loop import train
 from labeler.training.onnx_export import export_detector, export_pillars
-from labeler.training.pillar_loss import pillar_loss
+from labeler.training.pillar_loss import AskedOfCells, pillar_loss
 from labeler.training.pillar_network import PillarNetwork
 from labeler.training.pillar_targets import PillarTargets
-from labeler.training.pillar_task import PillarTask
+from labeler.training.pillar_task import PillarBatch, PillarTask
+from labeler.training.task import TrainingConfig
 from labeler.training.yolox_network import Yolox, YoloxShape
 from tests.labeler.training.made_clouds import direction
 
 SWEEPS = [direction((15, 3, 20), (30, -6, -90)), direction((10, -3, 160), seed=1), direction((22, 0, 60), seed=2)]
 GRID = Grid(x_min_m=0, y_min_m=-12.8, cell_m=0.4, rows=96, columns=64)
+
+
+def batch_of(task: PillarTask, rng: np.random.Generator, count: int, device: torch.device = CPU) -> PillarBatch:
+    return task.batch(task.examples(rng, range(count)), device)
 
 
 @pytest.fixture(scope="module")
@@ -37,22 +43,22 @@ def network() -> PillarNetwork:
     made = task.new_network().train()
     with torch.no_grad():
         for _ in range(4):  # statistics of batch normalisation that are not those of a new one
-            task.loss(made, rng, 4)
+            task.loss(made, batch_of(task, rng, 4))
     assert isinstance(made, PillarNetwork)
     return made.eval()
 
 
-@pytest.mark.parametrize("painted", [True, False])
-def test_it_learns(tmp_path: Path, painted: bool) -> None:
+@pytest.mark.parametrize(("painted", "by_workers"), [(True, True), (False, True), (True, False)])
+def test_it_learns(tmp_path: Path, painted: bool, by_workers: bool) -> None:
     config = TrainingConfig(seed=1, steps=12, batch_size=4, workers=2, warm_up_steps=1, learning_rate=5e-3)
     task = PillarTask(SWEEPS, ["a"], painted=painted, window_cells=(32, 32))
     lines: list[str] = []
-    trained = train(task, config, tmp_path, report=lines.append)
+    trained = train(task, config, tmp_path, report=lines.append, by_workers=by_workers)
     torch.manual_seed(config.seed)
     untrained = task.new_network().train()
     with torch.no_grad():
-        before = float(task.loss(untrained, np.random.default_rng(0), 16))
-        after = float(task.loss(trained.network.train(), np.random.default_rng(0), 16))
+        before = float(task.loss(untrained, batch_of(task, np.random.default_rng(0), 16)))
+        after = float(task.loss(trained.network.train(), batch_of(task, np.random.default_rng(0), 16)))
     assert after < 0.9 * before
 
 
@@ -116,18 +122,31 @@ def test_the_loss_is_lowest_where_the_answer_is_right() -> None:
     right[0, Outputs.HEADING, 1, 1] = torch.tensor([np.sin(yaw_rad), np.cos(yaw_rad)]).float()
     right[0, Outputs.LOG_STD, 1, 1] = -5
     right[0, Outputs.CLASSES + 2, 1, 1] = 9
-    lowest = float(pillar_loss(right, [targets]))
+    asked = AskedOfCells.of([targets], CPU)
+    lowest = float(pillar_loss(right, asked))
     for channel, change in (
         (Outputs.HEAT, -12.0), (Outputs.QUALITY, -6.0), (2, 0.5), (3, -0.5), (Outputs.HEIGHT, 0.5), (5, 0.3), (6, -0.3),
         (8, -1.0), (10, -1.0), (12, 2.0), (Outputs.CLASSES, 12.0),
     ):  # fmt: skip
         wrong = right.clone()
         wrong[0, channel, 1, 1] += change
-        assert float(pillar_loss(wrong, [targets])) > lowest + 0.01, channel
+        assert float(pillar_loss(wrong, asked)) > lowest + 0.01, channel
     false = right.clone()
     false[0, Outputs.HEAT, 0, 0] = 4
-    assert float(pillar_loss(false, [targets])) > lowest + 0.5
+    assert float(pillar_loss(false, asked)) > lowest + 0.5
     nowhere = PillarTargets(
         heat * 0, targets.counts, np.zeros(0, np.int64), np.zeros(0, np.float32), box[:0], np.zeros(0, np.int64), 0
     )
-    assert np.isfinite(float(pillar_loss(right, [nowhere])))
+    assert np.isfinite(float(pillar_loss(right, AskedOfCells.of([nowhere], CPU))))
+
+
+def test_nothing_of_it_is_made_on_another_device_or_waits_for_a_value() -> None:
+    """A meta tensor has no values: reading one, or mixing it with the CPU's, fails as it would cost time on a GPU."""
+    task, meta = PillarTask(SWEEPS, ["a"], window_cells=(32, 32)), torch.device("meta")
+    batch = batch_of(task, np.random.default_rng(0), 4, meta)
+
+    loss = task.loss(task.new_network().to(meta), batch)
+    loss.backward()
+
+    assert loss.is_meta
+    assert len(batch.asked.cell)
