@@ -115,7 +115,7 @@ def _flipped(picture: Picture) -> Picture:
         return np.stack([width - boxes_px[:, 2], boxes_px[:, 1], width - boxes_px[:, 0], boxes_px[:, 3]], axis=1)
 
     return Picture(
-        picture.image[:, ::-1],
+        np.asarray(cv2.flip(picture.image, 1), np.uint8),
         mirrored(picture.boxes_px),
         picture.classes,
         mirrored(picture.ignored_px),

@@ -40,7 +40,8 @@ class DetectorTask:
         """Examples are dealt out to ``crops`` in turn: what is named twice is drawn twice as often."""
         self.drives = drives
         self._crops, self._shape = tuple(crops), shape
-        self._samplers = {config: CropSampler(pictures, config) for config in self._crops}
+        bare = [replace(picture, semantic=None) for picture in pictures]  # cutting it as well would take time
+        self._samplers = {config: CropSampler(bare, config) for config in self._crops}
 
     def new_network(self) -> nn.Module:
         return Yolox(len(DETECTOR_CLASSES), self._shape)
@@ -48,7 +49,7 @@ class DetectorTask:
     def examples(self, rng: np.random.Generator, numbers: range) -> list[Picture]:
         dealt = [self._crops[number % len(self._crops)] for number in numbers]
         in_order = [config for kind in dict.fromkeys(dealt) for config in dealt if config == kind]
-        return [replace(self._samplers[config].draw(rng), semantic=None) for config in in_order]
+        return [self._samplers[config].draw(rng) for config in in_order]
 
     def batch(self, examples: Sequence[Picture], device: torch.device) -> list[Crops]:
         of_size: dict[tuple[int, ...], list[Picture]] = {}

@@ -102,6 +102,18 @@ def test_workers_beside_a_gpu_share_a_batch_evenly(monkeypatch: pytest.MonkeyPat
     assert workers_for(8) == 1
 
 
+@pytest.mark.parametrize("task", [detector_task(), SegmentationTask(PICTURES, ("a",), CROPS)])
+def test_nothing_of_a_loss_is_made_on_another_device_or_waits_for_a_value(task: Task[Any, Any]) -> None:
+    """A meta tensor has no values: reading one, or mixing it with the CPU's, fails as it would cost time on a GPU."""
+    meta = torch.device("meta")
+    batch = task.batch(task.examples(np.random.default_rng(0), range(4)), meta)
+
+    loss = task.loss(task.new_network().to(meta), batch)
+    loss.backward()
+
+    assert loss.is_meta
+
+
 def test_another_seed_leads_elsewhere(tmp_path: Path) -> None:
     config = replace(CONFIG, steps=2)
     one = train(detector_task(), config, tmp_path / "one", report=quiet)
