@@ -29,9 +29,9 @@ def segmentation_file(settings: Settings, drive: Path) -> Path | None:
     return chosen.path if chosen else None
 
 
-def boxes_file(settings: Settings) -> Path | None:
-    """The pillar network that makes 3D boxes, None for those that need no weights.
+def boxes_file(settings: Settings, drive: Path) -> Path | None:
+    """The pillar network that makes 3D boxes of the drive in that folder, None for those that need no weights.
 
     ModelStoreError where the setting names one that is not there."""
-    chosen = choose_boxes(settings.boxes, settings.model_cache)
+    chosen = choose_boxes(settings.boxes, settings.model_cache, simulated=is_simulated(drive))
     return chosen.path if chosen else None

@@ -121,7 +121,7 @@ def boxes(
 
 def _maker(named: str, settings: Settings, config: LidarConfig) -> LidarConfig:
     """The LiDAR step with that maker. ModelStoreError for a name that no pillar network has."""
-    network = choose_boxes(named, settings.model_cache)
+    network = choose_boxes(named, settings.model_cache, simulated=False)
     return config if network is None else replace(config, method="pillars", network=str(network.path))
 
 

@@ -116,7 +116,7 @@ def label_into_store(
             recorded,
             model=detector.path,
             segmentation=segmentation,
-            boxes=boxes_file(settings),
+            boxes=boxes_file(settings, recorded.root),
             workspace=settings.workspace,
             settings=label_settings(settings, detector.path, input_size, tracking),
             decisions=decisions_about(settings, recorded, scene=scene),

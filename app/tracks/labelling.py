@@ -27,7 +27,7 @@ def run_label_job(context: JobContext) -> str | None:
         drive,
         model=model,
         segmentation=segmentation,
-        boxes=boxes_file(context.settings),
+        boxes=boxes_file(context.settings, drive.root),
         workspace=context.settings.workspace,
         settings=LabelSettings(
             identity=IdentityConfig(method=context.settings.identity),

@@ -21,7 +21,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from labeler.drive import is_simulated, open_drive
+from labeler.drive import open_drive
 from labeler.evaluation.calibration_command import parse_options
 from labeler.evaluation.categories import class_of_labels
 from labeler.evaluation.counting import ABSORBED, HIT, Labels2D, judge
@@ -31,9 +31,7 @@ from labeler.evaluation.reliability import Reliability, ReliabilityCounts
 from labeler.evaluation.text_sequences import CAMERA, read_sequences
 from labeler.evaluation.truth import TruthTable, image_number, true_boxes_of
 from labeler.evaluation.types import EvaluationConfig
-from labeler.models import ModelCache
-from labeler.models.choice import choose_segmentation
-from labeler.pipeline.run import label_drive
+from labeler.evaluation.usual_labelling import label_as_usual
 from labeler.propagation import collect_votes, label_observations
 from labeler.propagation.labelling import label_features
 from labeler.propagation.probability import FEATURES, probability_of, shipped
@@ -69,10 +67,7 @@ def sample_of_drive(folder: Path, *, model: Path, workspace: Path) -> Sample:
     drive = open_drive(folder)
     cameras = tuple(camera.name for camera in drive.cameras)
     table = true_boxes_of(drive, EvaluationConfig())
-    segmentation = choose_segmentation(None, ModelCache(workspace / "models"), simulated=is_simulated(drive.root))
-    labelled = label_drive(
-        drive, model=model, segmentation=None if segmentation is None else segmentation.path, workspace=workspace
-    )
+    labelled = label_as_usual(drive, model=model, workspace=workspace)
     seen = [
         (camera, view.observations)
         for frame in labelled.frames()

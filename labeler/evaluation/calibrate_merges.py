@@ -60,7 +60,8 @@ _DIRECTION = {
     "velocity_sigmas": _FALLS,
     "gap_s": _FALLS,
     "still_distance_m": _FALLS,
-    "rival_sigmas": _RISES,
+    "place_density": _RISES,
+    "rival_density": _RISES,
     "weaker_score": _RISES,
 }
 """Where a feature may only speak more, or only less, for one object as it grows."""

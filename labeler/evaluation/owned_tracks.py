@@ -19,8 +19,9 @@ from labeler.drive import Drive
 from labeler.evaluation.benchmark_merges import TrackedScene
 from labeler.evaluation.owners import objects_of_tracks
 from labeler.evaluation.types import EvaluationError
+from labeler.evaluation.usual_labelling import label_as_usual
 from labeler.identity import CameraView, MultiCameraFrame, Rig
-from labeler.pipeline import LabelSettings, label_drive
+from labeler.pipeline import LabelSettings
 from labeler.pipeline.plan import rig_of
 
 
@@ -50,7 +51,7 @@ def of_detector(drive: Drive, model: Path, *, workspace: Path, settings: LabelSe
     truth = drive.read_truth(drive.frames)
     if truth is None or truth.boxes_2d is None:
         raise EvaluationError(f"{drive.root} has no true boxes in its images, so nobody knows whose its tracks are.")
-    labelled = label_drive(drive, model=model, workspace=workspace, settings=settings)
+    labelled = label_as_usual(drive, model=model, workspace=workspace, settings=settings)
     frames = [
         MultiCameraFrame(
             frame.frame_index,

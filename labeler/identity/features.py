@@ -45,7 +45,8 @@ GAP_FEATURES: tuple[tuple[str, str], ...] = (
     ("gap_s", "s"),
     ("uncertainty_m", "m"),
     ("still_distance_m", "m"),
-    ("rival_sigmas", "sigma"),
+    ("place_density", "nat"),
+    ("rival_density", "nat"),
     ("expected_in_image", "share"),
     ("leaves_image", "share"),
     ("size_difference", "ratio"),
@@ -67,6 +68,8 @@ _GATE_SIGMAS = 6.0
 _RIVAL_CAP = 5.0
 _STILL_MPS = 1.0
 _STILL_REACH_M = 5.0
+_STILL_STD_M = 0.5
+_LEAST_DENSITY = -12.0
 _GATE_M, _GATE_MPS = 4.0, 5.0
 _OVERLAPPING_ENDS_S = 0.3
 _MIDDLE_M = 0.8
@@ -119,10 +122,11 @@ def gap_candidates(
     *,
     camera_names: Sequence[str],
     impossible: Callable[[int, int], bool],
+    exclude: Callable[[int, int], bool],
 ) -> list[Candidate]:
     """The pairs of which one ends and the other begins at a place where the first could be by then.
 
-    ``impossible`` says of two tracks that they were seen at the same time."""
+    ``impossible`` says of two tracks that they were seen at the same time, ``exclude`` that they are two objects."""
     records = [record for record in tracks.records.values() if record.begin is not None and record.end is not None]
     if len(records) < 2:
         return []
@@ -146,8 +150,10 @@ def gap_candidates(
     speed_sigmas = _sigmas(off[:, 2:], cov[:, 2:, 2:])
     still_m = _still_distances(ends, begins, first, second)
     in_gate = (sigmas < _GATE_SIGMAS) | (still_m < _STILL_REACH_M)
-    rival = _rivals(np.where(np.isfinite(still_m), np.minimum(sigmas, still_m / 0.5), sigmas), first, second)
-    uncertainty_m = np.power(np.maximum(np.linalg.det(cov[:, :2, :2]), 1e-12), 0.25)
+    determinant_m4 = np.maximum(np.linalg.det(cov[:, :2, :2]), 1e-12)
+    uncertainty_m = np.power(determinant_m4, 0.25)
+    density = _densities(sigmas, determinant_m4, still_m)
+    rival = _over_rivals(density, first, second, [record.track_id for record in records], exclude)
     camera = np.array([record.camera for record in records])
     sees_begin = _sees(rig, camera_names, camera[first], begins.frame_index[second], begins.mean[second, :2])
     sees_end = _sees(rig, camera_names, camera[second], ends.frame_index[first], ends.mean[first, :2])
@@ -165,6 +171,7 @@ def gap_candidates(
             max(gap_s[row], 0.0),
             uncertainty_m[row],
             still_m[row],
+            max(density[row], _LEAST_DENSITY),
             rival[row],
             expected[row],
             (a.end.edge + b.begin.edge) / 2,
@@ -250,18 +257,36 @@ def _still_distances(
     return np.where(still, distance_m, np.nan)
 
 
-def _rivals(sigmas: NDArray[np.float64], first: NDArray[np.intp], second: NDArray[np.intp]) -> NDArray[np.float64]:
-    """(P,) by how much the best other choice of either track is worse than this one; below 0 where it is better."""
-    best_other = np.full(len(sigmas), np.inf)
-    for side in (first, second):
-        order = np.lexsort((sigmas, side))
-        starts = np.flatnonzero(np.diff(side[order], prepend=-1))
-        for start, stop in zip(starts.tolist(), [*starts[1:].tolist(), len(order)], strict=True):
-            rows = order[start:stop]
-            others = np.full(len(rows), sigmas[rows[0]])
-            others[0] = sigmas[rows[1]] if len(rows) > 1 else np.inf
-            best_other[rows] = np.minimum(best_other[rows], others)
-    return np.clip(best_other - sigmas, -_RIVAL_CAP, _RIVAL_CAP)
+def _densities(
+    sigmas: NDArray[np.float64], determinant_m4: NDArray[np.float64], still_m: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """(P,) logarithm of how densely the two places of an object would lie here, up to a constant: unlike a distance in
+    standard deviations it does not make a track whose place is hardly known fit everywhere. Of two that stand, as if
+    their places were known to half a metre."""
+    moving = -np.square(sigmas) - np.log(determinant_m4) / 2
+    standing = -np.square(still_m / _STILL_STD_M) / 2 - 2 * np.log(_STILL_STD_M)
+    return np.fmax(moving, standing)
+
+
+def _over_rivals(
+    density: NDArray[np.float64],
+    first: NDArray[np.intp],
+    second: NDArray[np.intp],
+    track_ids: Sequence[int],
+    exclude: Callable[[int, int], bool],
+) -> NDArray[np.float64]:
+    """(P,) by how much a pair's density is above that of its best rival: another choice of either track that this one
+    excludes, since the two chosen are two objects; below 0 where the rival is the better one."""
+    best = np.full(len(density), -np.inf)
+    for side, other in ((first, second), (second, first)):
+        order = np.lexsort((-density, side))
+        ends = np.flatnonzero(np.diff(side[order])) + 1
+        for rows in np.split(order, ends):
+            chosen = [(float(density[row]), track_ids[int(other[row])]) for row in rows.tolist()]
+            for row, (_, mine) in zip(rows.tolist(), chosen, strict=True):
+                rivals = (of_rival for of_rival, track in chosen if of_rival > best[row] and exclude(mine, track))
+                best[row] = max(best[row], next(rivals, -np.inf))  # the surest come first
+    return np.clip(density - best, -_RIVAL_CAP, _RIVAL_CAP)
 
 
 def _velocity_difference(a: TrackRecord, b: TrackRecord, time_s: float) -> float:

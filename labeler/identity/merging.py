@@ -47,12 +47,17 @@ class Gathered:
         if self.rig.city_SE3_ego is None:
             return found
         return found + gap_candidates(
-            self.tracks, self.rig, config, camera_names=self.camera_names, impossible=self._seen_together
-        )
+            self.tracks, self.rig, config,
+            camera_names=self.camera_names, impossible=self._seen_together, exclude=self._told_apart,
+        )  # fmt: skip
 
     def _seen_together(self, track_a: int, track_b: int) -> bool:
         key = (min(track_a, track_b), max(track_a, track_b))
         return self.shared_frames(*key) or key in self.pairs.near or key in self.pairs.far_frames
+
+    def _told_apart(self, track_a: int, track_b: int) -> bool:
+        """Whether two tracks are two objects, by the frames in which both were seen."""
+        return self.shared_frames(track_a, track_b) or self.pairs.mostly_apart(track_a, track_b)
 
 
 @dataclass(frozen=True, eq=False)
@@ -211,8 +216,7 @@ def _forbidden(gathered: Gathered) -> Forbidden:
         forbidden.add(*pair)
     together = set(gathered.constraints.same)
     for pair, frames in gathered.pairs.far_frames.items():
-        near = gathered.pairs.near.get(pair)
-        if frames >= _MIN_APART_FRAMES and (near is None or frames > near.near_frames) and pair not in together:
+        if frames >= _MIN_APART_FRAMES and gathered.pairs.mostly_apart(*pair) and pair not in together:
             forbidden.add(*pair)
     for pair in gathered.constraints.different:
         forbidden.add(*pair)

@@ -81,6 +81,11 @@ class PairBook:
         """In how many frames the two are surely at different places."""
         return self.far_frames.get((min(track_a, track_b), max(track_a, track_b)), 0)
 
+    def mostly_apart(self, track_a: int, track_b: int) -> bool:
+        """Whether the two were surely at different places in more frames than they were near each other in."""
+        near = self.near.get((min(track_a, track_b), max(track_a, track_b)))
+        return self.apart(track_a, track_b) > (0 if near is None else near.near_frames)
+
     def add(self, places: Places) -> None:
         """Compare the places of one frame."""
         rows = np.flatnonzero(places.has_place)

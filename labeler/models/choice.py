@@ -75,16 +75,22 @@ def choose_segmentation(named: str | Path | None, cache: ModelCache, *, simulate
     ModelStoreError as :func:`choose_detector`."""
     if named is not None:
         return None if str(named) == NO_SEGMENTATION else _find(str(named), Task.SEGMENTATION, cache)
-    shipped = [choice for choice in available(Task.SEGMENTATION, cache) if choice.origin is Origin.SHIPPED]
-    return shipped[0] if simulated and shipped else None
+    return _shipped(Task.SEGMENTATION, cache) if simulated else None
 
 
-def choose_boxes(named: str | Path | None, cache: ModelCache) -> Choice | None:
+def choose_boxes(named: str | Path | None, cache: ModelCache, *, simulated: bool) -> Choice | None:
     """The pillar network that makes 3D boxes, None for those that need no weights; ``named`` is a file, a registered
-    name, ``clusters``, or None, which is the same. Raises ModelStoreError as :func:`choose_detector`."""
-    if named is None or str(named) == WITHOUT_WEIGHTS:
-        return None
-    return _find(str(named), Task.BOXES, cache)
+    name, ``clusters``, or None.
+
+    The one that ships knows simulated drives only, where its boxes are the better ones; a recorded drive gets one only
+    where it is named. Raises ModelStoreError as :func:`choose_detector`."""
+    if named is not None:
+        return None if str(named) == WITHOUT_WEIGHTS else _find(str(named), Task.BOXES, cache)
+    return _shipped(Task.BOXES, cache) if simulated else None
+
+
+def _shipped(task: Task, cache: ModelCache) -> Choice | None:
+    return next((choice for choice in available(task, cache) if choice.origin is Origin.SHIPPED), None)
 
 
 def available(task: Task, cache: ModelCache) -> list[Choice]:
