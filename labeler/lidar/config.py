@@ -46,8 +46,8 @@ class LidarConfig:
     """How points are painted, split into objects and boxed. Plain values, so that it can be hashed as JSON.
 
     ``method`` names how boxes are made, see :mod:`labeler.lidar.makers`. Of the method "pillars", ``network`` is the
-    network's file (None: the one that ships), boxes below ``min_network_score`` are left out, and ``fit`` has the
-    detections boxed without weights as well, for exact sides and for what the network has no box for.
+    network's file (None: the one that ships), boxes below ``min_network_score`` are left out, and ``fill`` has
+    detections that it has no box for boxed without weights.
     ``min_detection_score``: weaker detections paint nothing. ``min_points``: fewer points give no box.
     ``margin``: how far around a box, as a share of its longer side, is looked for what reaches out of it.
     ``max_distance_m``: points farther from the ego origin in x or y are left out.
@@ -63,7 +63,7 @@ class LidarConfig:
     method: str = "clusters"
     network: str | None = None
     min_network_score: float = 0.1
-    fit: bool = True
+    fill: bool = True
     min_detection_score: float = 0.1
     min_points: int = 4
     margin: float = 0.25

@@ -24,8 +24,6 @@ class BoxSource(IntEnum):
     """Found by a pillar network on painted points."""
     TRACK = 2
     """Steadied over the boxes of its track."""
-    FITTED = 3
-    """Found by a pillar network, and fitted to LiDAR points that hang together."""
 
 
 class PositionSource(IntEnum):

@@ -108,11 +108,11 @@ OFFICIAL = (
 """From the smallest to the best."""
 
 SHIPPED = (
-    ShippedModel("sim-yolox-nano", Task.DETECTION, "feb31ab1a613b136ec3188e65ec18af023ed1dc1507f0ad01c414ac1d1b0ea03"),
+    ShippedModel("sim-yolox-nano", Task.DETECTION, "9fa94c37d3436c46b6d112c16fc5005eaa4a2d1b954e3d5dfc052f9b1022060e"),
     ShippedModel(
         "sim-segmentation", Task.SEGMENTATION, "291426d1c092b42c9ac2f09763a383db3d30977643a092f7b6dd6018d99726ee"
     ),
-    ShippedModel("sim-pillars", Task.BOXES, "f1faaf1bfe72fccf59da8e27964aed65888e9202c0d77b1172521d2fd76c7035"),
+    ShippedModel("sim-pillars", Task.BOXES, "ec7fad152810de3fa92dfd1dac75309f9972926987ea1e3dcc019ec0e86593e8"),
 )
 
 

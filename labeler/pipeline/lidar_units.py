@@ -133,7 +133,7 @@ def agreement_of(paths: Iterable[Path]) -> dict[str, Agreement]:
     return total
 
 
-LIDAR = Stage("lidar", 2, "arrow", locate_detections)
+LIDAR = Stage("lidar", 3, "arrow", locate_detections)
 
 
 def boxes_of(columns: Columns) -> Boxes3D:

@@ -158,7 +158,7 @@ def label_camera(unit: LabelUnit, path: Path) -> None:
 
 
 TRACK = Stage("track", 3, "arrow", track)
-IDENTITY = Stage("identity", 4, "json", find_identities)
+IDENTITY = Stage("identity", 5, "json", find_identities)
 DONORS = Stage("donors", 3, "json", choose_donors)
 LABELS = Stage("labels", 3, "arrow", label_camera)
 

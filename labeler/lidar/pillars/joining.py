@@ -1,4 +1,4 @@
-"""Boxes of one object made one: by the network and without weights, and of several cameras that see it."""
+"""Boxes made by the network and without weights put together, and those of several cameras made one."""
 
 from __future__ import annotations
 
@@ -8,9 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from labeler.geometry.boxes_3d import iou_3d
-from labeler.lidar.types import Boxes3D, BoxSource
+from labeler.lidar.types import Boxes3D
 
-_AGREES_IOU = 0.7
 _SAME_PLACE_IOU = 0.3
 _NOT_FOUND = 0.5
 """What is left of the score of a box that the network, which saw the same points, did not find."""
@@ -19,24 +18,11 @@ _OWN = ("score", "class_id", "detection_index")
 """What each camera says for itself of an object that several see."""
 
 
-def joined(found: Boxes3D, fitted: Boxes3D) -> Boxes3D:
-    """One box for each detection of a camera that has either, of the network's boxes and those made without weights.
-
-    Where both agree the fitted box is taken, with the network's score and class; where they don't, the network's."""
-    of_detection = {detection: row for row, detection in enumerate(fitted.detection_index.tolist())}
-    row = np.array([of_detection.get(detection, -1) for detection in found.detection_index.tolist()], np.intp)
-    agrees = np.zeros(len(found), np.bool_)
-    for own, other in enumerate(row.tolist()):
-        agrees[own] = other >= 0 and _bev_iou(found, own, fitted, other) >= _AGREES_IOU
-    exact = replace(
-        fitted[row[agrees]],
-        score=found.score[agrees],
-        class_id=found.class_id[agrees],
-        source=np.full(int(agrees.sum()), BoxSource.FITTED, np.int8),
-    )
+def filled(found: Boxes3D, fitted: Boxes3D) -> Boxes3D:
+    """The network's boxes of a camera, and for detections that it found nothing for those made without weights."""
     alone = fitted[~np.isin(fitted.detection_index, found.detection_index)]
     alone = replace(alone, score=alone.score * np.float32(_NOT_FOUND))
-    boxes = Boxes3D.concatenate([found[~agrees], exact, alone])
+    boxes = Boxes3D.concatenate([found, alone])
     return boxes[np.argsort(boxes.detection_index, kind="stable")]
 
 

@@ -1,10 +1,7 @@
 """3D boxes by the pillar network, direction by direction; the method "pillars".
 
-The network knows best what is a vehicle and about where; the sides of what it finds are told more exactly by the points
-themselves. So the same detections are also boxed without weights, and where both agree the box that is fitted to the
-points is taken, with the network's score and class. Where they don't, the network is right more often. A detection that
-it has no box for (too far, too few points, a class that it was not taught) keeps the box made without weights, and so
-do those of a camera without a segmentation, where the network takes painted points.
+A detection that the network has no box for (too far, too few points, a class that it was not taught) gets the box made
+without weights, and so do those of a camera without a segmentation, where the network takes painted points.
 """
 
 from __future__ import annotations
@@ -23,7 +20,7 @@ from labeler.lidar.painting.view import View
 from labeler.lidar.pillars.association import associate, near_detections
 from labeler.lidar.pillars.decode import PillarBoxes
 from labeler.lidar.pillars.direction import Direction, direction_cloud
-from labeler.lidar.pillars.joining import joined, seen_by_several
+from labeler.lidar.pillars.joining import filled, seen_by_several
 from labeler.lidar.pillars.network import PillarModel
 from labeler.lidar.scene import Scene
 from labeler.lidar.types import Boxes3D, BoxSource
@@ -53,10 +50,10 @@ class PillarBoxMaker:
     def boxes(self, scene: Scene, cameras: Mapping[str, CameraInput]) -> dict[str, Boxes3D]:
         """As :class:`labeler.lidar.makers.BoxMaker` has it."""
         found = {name: self._of_direction(scene, camera) for name, camera in cameras.items()}
-        if not self._config.fit:
+        if not self._config.fill:
             return seen_by_several(found)
         fitted = self._without_weights.boxes(scene, cameras)
-        return seen_by_several({name: joined(found[name], fitted[name]) for name in cameras})
+        return seen_by_several({name: filled(found[name], fitted[name]) for name in cameras})
 
     def _of_direction(self, scene: Scene, camera: CameraInput) -> Boxes3D:
         """The network's boxes of a direction that belong to a detection."""

@@ -27,7 +27,7 @@ def sources(found: LabelledDrive) -> set[int]:
 def test_a_network_makes_the_boxes(made_drive: Path, made_model: Path, tmp_path: Path) -> None:
     network = write_network(tmp_path / "p.onnx", PARKED, size_m=CAR_M, takes_paint=False)
     found = labelled(made_drive, made_model, tmp_path / "workspace", network)
-    assert sources(found) & {BoxSource.PILLARS, BoxSource.FITTED}
+    assert BoxSource.PILLARS in sources(found)
     assert not any("without a network" in warning for warning in found.summary["warnings"])
 
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from labeler.lidar import Boxes3D, BoxSource
-from labeler.lidar.pillars.joining import joined, seen_by_several
+from labeler.lidar.pillars.joining import filled, seen_by_several
 
-NETWORK, CLUSTER, FITTED = BoxSource.PILLARS, BoxSource.CLUSTER, BoxSource.FITTED
+NETWORK, CLUSTER = BoxSource.PILLARS, BoxSource.CLUSTER
 
 
 def boxes(source: BoxSource, *rows: tuple[int, float, float]) -> Boxes3D:
@@ -31,9 +31,7 @@ def boxes(source: BoxSource, *rows: tuple[int, float, float]) -> Boxes3D:
 @pytest.mark.parametrize(
     ("found", "fitted", "expected"),
     [
-        # Half a metre apart, IoU 7/9: the fitted box, the network's score.
-        ([(0, 10.0, 0.9)], [(0, 10.5, 0.6)], [(0, 10.5, 0.9, FITTED)]),
-        # A metre apart, IoU 3/5: they don't agree, and the network is right.
+        # Of one detection: the network's.
         ([(0, 10.0, 0.9)], [(0, 11.0, 0.6)], [(0, 10.0, 0.9, NETWORK)]),
         # At one place, but of different detections: each keeps its own, the network's doubt halves the other's score.
         ([(1, 10.0, 0.9)], [(0, 10.0, 0.6)], [(0, 10.0, 0.3, CLUSTER), (1, 10.0, 0.9, NETWORK)]),
@@ -46,7 +44,7 @@ def test_one_box_for_a_detection(
     found: list[tuple[int, float, float]], fitted: list[tuple[int, float, float]],
     expected: list[tuple[int, float, float, BoxSource]],
 ) -> None:  # fmt: skip
-    result = joined(boxes(NETWORK, *found), boxes(CLUSTER, *fitted))
+    result = filled(boxes(NETWORK, *found), boxes(CLUSTER, *fitted))
     assert result.detection_index.tolist() == [row[0] for row in expected]
     np.testing.assert_allclose(result.center_m[:, 0], [row[1] for row in expected])
     np.testing.assert_allclose(result.score, [row[2] for row in expected])

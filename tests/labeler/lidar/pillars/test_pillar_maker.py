@@ -64,7 +64,7 @@ def detection_of(*places: tuple[float, float, float], class_id: int = 2) -> Dete
 @pytest.fixture
 def config(tmp_path: Path) -> LidarConfig:
     """The network's boxes alone."""
-    return LidarConfig(method="pillars", network=str(write_network(tmp_path / "p.onnx", FOUND)), fit=False)
+    return LidarConfig(method="pillars", network=str(write_network(tmp_path / "p.onnx", FOUND)), fill=False)
 
 
 def make(config: LidarConfig, made: Scene, **cameras: CameraInput) -> dict[str, Boxes3D]:
@@ -96,13 +96,13 @@ def test_one_network_serves_every_direction(config: LidarConfig) -> None:
     assert np.degrees(found["left"].yaw_rad[0]) == pytest.approx(110, abs=1e-3)
 
 
-def test_boxes_made_without_weights_are_exact_and_fill_what_the_network_does_not_find(config: LidarConfig) -> None:
+def test_boxes_made_without_weights_fill_what_the_network_does_not_find(config: LidarConfig) -> None:
     front = CameraInput(view(), detection_of(MISSED, FOUND), scores())
-    made = scene(car(FOUND[0] + 0.2, FOUND[1], FOUND[2]), car(*MISSED))  # .2 m farther than the network says
-    found = make(replace(config, fit=True), made, front=front)["front"]
+    made = scene(car(*FOUND), car(*MISSED))
+    found = make(replace(config, fill=True), made, front=front)["front"]
     assert found.detection_index.tolist() == [0, 1]
-    assert found.source.tolist() == [BoxSource.CLUSTER, BoxSource.FITTED]
-    np.testing.assert_allclose(found.center_m[:, :2], [MISSED[:2], (FOUND[0] + 0.2, FOUND[1])], atol=0.06)
+    assert found.source.tolist() == [BoxSource.CLUSTER, BoxSource.PILLARS]
+    np.testing.assert_allclose(found.center_m[:, :2], [MISSED[:2], FOUND[:2]], atol=0.06)
     network_alone = make(config, made, front=front)["front"]
     assert found.score[1] == network_alone.score[0]
 
@@ -127,20 +127,20 @@ def test_where_the_network_has_nothing_to_say(
     painted: bool, sources: list[BoxSource],
 ) -> None:  # fmt: skip
     front = CameraInput(view(), detection_of(*detections), scores() if painted else None)
-    found = make(replace(config, fit=True), scene(*(car(*place) for place in cars)), front=front)["front"]
+    found = make(replace(config, fill=True), scene(*(car(*place) for place in cars)), front=front)["front"]
     assert found.source.tolist() == sources
 
 
 @pytest.mark.parametrize("points", [np.zeros((0, 3)), np.full((5, 3), np.nan), car(-30.0, 0.0, 0.0)])
 def test_sweeps_with_nothing_in_a_direction_give_no_boxes(config: LidarConfig, points: np.ndarray) -> None:
     made = prepare_scene(Sweep(0, points.astype(np.float32), np.full(len(points), np.nan, np.float32)), config)
-    found = make(replace(config, fit=True), made, front=CameraInput(view(), detection_of(FOUND), scores()))
+    found = make(replace(config, fill=True), made, front=CameraInput(view(), detection_of(FOUND), scores()))
     assert len(found["front"]) == 0
 
 
 def test_an_unpainted_network_needs_no_segmentation(tmp_path: Path) -> None:
     network = write_network(tmp_path / "p.onnx", FOUND, takes_paint=False)
-    config = LidarConfig(method="pillars", network=str(network), fit=False)
+    config = LidarConfig(method="pillars", network=str(network), fill=False)
     maker = open_box_maker(config, class_names=CLASS_NAMES)
     found = maker.boxes(scene(car(*FOUND)), {"front": CameraInput(view(), detection_of(FOUND))})["front"]
     assert not maker.takes_paint
