@@ -17,6 +17,7 @@ from labeler.geometry.se3 import invert_se3, transform_points
 from labeler.identity.colours import likeness
 from labeler.identity.config import IdentityConfig
 from labeler.identity.rig import Rig
+from labeler.identity.rivals import densities, over_rivals
 from labeler.identity.smoothing import predict
 from labeler.identity.together import PairBook, Together, pairs_worth_a_look
 from labeler.identity.tracks import TrackBook, TrackRecord
@@ -65,10 +66,8 @@ FEATURES = {
 _LOOK_S = 0.4
 _CAPPED_SIGMAS = 7.0
 _GATE_SIGMAS = 6.0
-_RIVAL_CAP = 5.0
 _STILL_MPS = 1.0
 _STILL_REACH_M = 5.0
-_STILL_STD_M = 0.5
 _LEAST_DENSITY = -12.0
 _GATE_M, _GATE_MPS = 4.0, 5.0
 _OVERLAPPING_ENDS_S = 0.3
@@ -152,8 +151,8 @@ def gap_candidates(
     in_gate = (sigmas < _GATE_SIGMAS) | (still_m < _STILL_REACH_M)
     determinant_m4 = np.maximum(np.linalg.det(cov[:, :2, :2]), 1e-12)
     uncertainty_m = np.power(determinant_m4, 0.25)
-    density = _densities(sigmas, determinant_m4, still_m)
-    rival = _over_rivals(density, first, second, [record.track_id for record in records], exclude)
+    density = densities(sigmas, determinant_m4, still_m)
+    rival = over_rivals(density, first, second, [record.track_id for record in records], exclude)
     camera = np.array([record.camera for record in records])
     sees_begin = _sees(rig, camera_names, camera[first], begins.frame_index[second], begins.mean[second, :2])
     sees_end = _sees(rig, camera_names, camera[second], ends.frame_index[first], ends.mean[first, :2])
@@ -255,38 +254,6 @@ def _still_distances(
     distance_m = np.linalg.norm(ends.mean[first, :2] - begins.mean[second, :2], axis=1)
     still = (ends.speed_mps[first] < _STILL_MPS) & (begins.speed_mps[second] < _STILL_MPS)
     return np.where(still, distance_m, np.nan)
-
-
-def _densities(
-    sigmas: NDArray[np.float64], determinant_m4: NDArray[np.float64], still_m: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """(P,) logarithm of how densely the two places of an object would lie here, up to a constant: unlike a distance in
-    standard deviations it does not make a track whose place is hardly known fit everywhere. Of two that stand, as if
-    their places were known to half a metre."""
-    moving = -np.square(sigmas) - np.log(determinant_m4) / 2
-    standing = -np.square(still_m / _STILL_STD_M) / 2 - 2 * np.log(_STILL_STD_M)
-    return np.fmax(moving, standing)
-
-
-def _over_rivals(
-    density: NDArray[np.float64],
-    first: NDArray[np.intp],
-    second: NDArray[np.intp],
-    track_ids: Sequence[int],
-    exclude: Callable[[int, int], bool],
-) -> NDArray[np.float64]:
-    """(P,) by how much a pair's density is above that of its best rival: another choice of either track that this one
-    excludes, since the two chosen are two objects; below 0 where the rival is the better one."""
-    best = np.full(len(density), -np.inf)
-    for side, other in ((first, second), (second, first)):
-        order = np.lexsort((-density, side))
-        ends = np.flatnonzero(np.diff(side[order])) + 1
-        for rows in np.split(order, ends):
-            chosen = [(float(density[row]), track_ids[int(other[row])]) for row in rows.tolist()]
-            for row, (_, mine) in zip(rows.tolist(), chosen, strict=True):
-                rivals = (of_rival for of_rival, track in chosen if of_rival > best[row] and exclude(mine, track))
-                best[row] = max(best[row], next(rivals, -np.inf))  # the surest come first
-    return np.clip(density - best, -_RIVAL_CAP, _RIVAL_CAP)
 
 
 def _velocity_difference(a: TrackRecord, b: TrackRecord, time_s: float) -> float:

@@ -155,7 +155,10 @@ export const queue = {
     },
     gap_s: { name: "Gap", meaning: "from the end of the one to the beginning of the other" },
     still_distance_m: { name: "Standing", meaning: "apart, though both stand still" },
-    place_density: { name: "Place", meaning: "how well the place fits, and how exactly both places are known (logarithm)" },
+    place_density: {
+      name: "Place",
+      meaning: "how well the place fits, and how exactly both places are known (logarithm)",
+    },
     rival_density: { name: "Rivals", meaning: "how much worse the place of the next best track fits (logarithm)" },
     expected_in_image: { name: "Expected", meaning: "of the gap it should have been in the image" },
     leaves_image: { name: "Leaves", meaning: "how surely the first leaves the image there" },

@@ -74,7 +74,7 @@ function measured(value: number, unit: string): string {
   if (unit === "share") return whole(percent(value));
   if (unit === "m") return metres(value);
   if (unit === "sigma") return `${value.toFixed(1)} σ`;
-  if (unit === "score" || unit === "ratio") return value.toFixed(2);
+  if (unit === "score" || unit === "ratio" || unit === "nat") return value.toFixed(2);
   return `${value.toFixed(unit === "looks" ? 0 : 1)} ${unit}`;
 }
 
