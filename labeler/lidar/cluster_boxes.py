@@ -33,7 +33,8 @@ class ClusterBoxMaker:
         clusters = grow_clusters(self._clusters(xyz_m, cameras), xyz_m, self._config)
         objects = Objects.of(link_clusters(clusters, len(xyz_m)), clusters)
         boxes = fit_boxes(objects, clusters, scene, self._config)
-        return {name: boxes.get(name, Boxes3D.empty()) for name in cameras}
+        found = {name: boxes.get(name, Boxes3D.empty()) for name in cameras}
+        return {name: own[own.score >= self._config.min_box_score] for name, own in found.items()}
 
     def _clusters(self, xyz_m: NDArray[np.float32], cameras: Mapping[str, CameraInput]) -> dict[str, CameraClusters]:
         """The clusters of each camera that has detections, of the points that it painted."""

@@ -62,7 +62,7 @@ class PillarBoxMaker:
         view, detected_px = camera.view, camera.detections.xyxy_px
         around = self._model.grid.widened(_CELLS_AROUND)
         cloud, rows = direction_cloud(scene, view, camera.scores, self._config, within=around)
-        found = self._model.find(cloud, min_score=self._config.min_network_score)
+        found = self._model.find(cloud, min_score=self._config.min_box_score)
         if not len(found):
             return Boxes3D.empty()
         near = near_detections(*_in_ego(found, view, scene), detected_px, view)
