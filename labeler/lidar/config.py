@@ -46,8 +46,8 @@ class LidarConfig:
     """How points are painted, split into objects and boxed. Plain values, so that it can be hashed as JSON.
 
     ``method`` names how boxes are made, see :mod:`labeler.lidar.makers`. Of the method "pillars", ``network`` is the
-    network's file (None: the one that ships), and ``fill`` has detections that it has no
-    box for boxed without weights. ``min_box_score``: less sure boxes, which are more often wrong than right, are left out.
+    network's file (None: the one that ships), and ``fill`` has detections that it has no box for boxed without weights.
+    ``min_box_score``: less sure boxes, which are more often wrong than right, are left out.
     ``min_detection_score``: weaker detections paint nothing. ``min_points``: fewer points give no box.
     ``margin``: how far around a box, as a share of its longer side, is looked for what reaches out of it.
     ``max_distance_m``: points farther from the ego origin in x or y are left out.
