@@ -52,13 +52,14 @@ def grow_clusters(
     """
     whole = {name: _rows_of_whole(camera, len(xyz_m)) for name, camera in cameras.items()}
     candidates: list[_Candidates] = []
+    xy_m = np.ascontiguousarray(xyz_m[:, 0]), np.ascontiguousarray(xyz_m[:, 1])
     for name, camera in cameras.items():
         taken = np.zeros(len(xyz_m), np.bool_)
         for other, rows in whole.items():
             if other != name:
                 taken |= rows
         taken[camera.clusters.row] = True
-        candidates.extend(_candidates(name, camera, xyz_m, taken))
+        candidates.extend(_candidates(name, camera, xyz_m, xy_m, taken))
     if not candidates:
         return dict(cameras)
     rows = np.concatenate([candidate.rows for candidate in candidates])
@@ -129,19 +130,21 @@ class _Candidates:
 
 
 def _candidates(
-    name: str, camera: CameraClusters, xyz_m: NDArray[np.float32], taken: NDArray[np.bool_]
-) -> list[_Candidates]:
-    """Those of each cluster that the border cuts: free points within the reach of an object of its class."""
+    name: str, camera: CameraClusters, xyz_m: NDArray[np.float32],
+    xy_m: tuple[NDArray[np.float32], NDArray[np.float32]], taken: NDArray[np.bool_],
+) -> list[_Candidates]:  # fmt: skip
+    """Those of each cluster that the border cuts: free points within the reach of an object of its class. ``xy_m`` are
+    the first columns of ``xyz_m``, each for itself."""
     clusters = camera.clusters
     cut_sides = camera.cut_sides()
-    free = np.flatnonzero(~taken)
-    x_m, y_m = np.ascontiguousarray(xyz_m[free, 0]), np.ascontiguousarray(xyz_m[free, 1])
+    x_m, y_m = xy_m
     found: list[_Candidates] = []
     for number in np.flatnonzero(cut_sides.any(axis=1)).tolist():
         seed = clusters.rows_of(number)
         reach_m = np.float32(_REACH * float(camera.sizes_m[int(clusters.detection_index[number]), :2].max()))
         low, high = xyz_m[seed, :2].min(axis=0) - reach_m, xyz_m[seed, :2].max(axis=0) + reach_m
-        near = free[(x_m >= low[0]) & (x_m <= high[0]) & (y_m >= low[1]) & (y_m <= high[1])]
+        near = np.flatnonzero((x_m >= low[0]) & (x_m <= high[0]) & (y_m >= low[1]) & (y_m <= high[1]))
+        near = near[~taken[near]]
         near = near[camera.view.beyond(xyz_m[near], cut_sides[number])]
         found.append(_Candidates((name, number), len(seed), np.concatenate([seed, near.astype(np.int32)])))
     return found
