@@ -31,8 +31,8 @@ class Scene:
 
     @cached_property
     def clear_xyz_m(self) -> NDArray[np.float32]:
-        """(K, 3) the clear points."""
-        return self.xyz_m[self.clear]
+        """(K, 3) the clear points; columns lie together, as they are computed with."""
+        return np.take(self.xyz_m.T, self.clear, axis=1).T
 
     @cached_property
     def clear_above_m(self) -> NDArray[np.float32]:
