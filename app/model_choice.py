@@ -30,8 +30,10 @@ def segmentation_file(settings: Settings, drive: Path) -> Path | None:
 
 
 def boxes_file(settings: Settings, drive: Path) -> Path | None:
-    """The pillar network that makes 3D boxes of the drive in that folder, None for those that need no weights.
+    """The pillar network that makes 3D boxes of the drive in that folder, None for those that need no weights. Where
+    nothing paints points, only one that is named.
 
     ModelStoreError where the setting names one that is not there."""
-    chosen = choose_boxes(settings.boxes, settings.model_cache, simulated=is_simulated(drive))
+    is_painted = segmentation_file(settings, drive) is not None
+    chosen = choose_boxes(settings.boxes, settings.model_cache, simulated=is_painted and is_simulated(drive))
     return chosen.path if chosen else None
