@@ -117,7 +117,7 @@ def _from_points(
     The median by paint of these points is taken: a detection's middle shows the object, its corners what is behind.
     """
     rows = np.flatnonzero(wanted)
-    clear = scene.clear[~_in_any(boxes, scene.xyz_m[scene.clear])]
+    clear = scene.clear[~_in_any(boxes, scene.clear_xyz_m)]
     painted = paint_points(scene.xyz_m[clear], detections[rows], view, config, class_names=class_names, scores=scores)
     painted = painted[painted.score > 0]
     owner = rows[painted.detection_index]
@@ -139,12 +139,14 @@ def _from_points(
 def _in_any(boxes: Boxes3D, xyz_m: NDArray[np.float32]) -> NDArray[np.bool_]:
     """(N,) which of (N, 3) points lie in one of the boxes, or close to it, seen from above."""
     inside = np.zeros(len(xyz_m), np.bool_)
+    x_m, y_m = np.ascontiguousarray(xyz_m[:, 0]), np.ascontiguousarray(xyz_m[:, 1])
     for center_m, size_m, yaw_rad in zip(boxes.center_m, boxes.size_m, boxes.yaw_rad, strict=True):
         half_m = size_m[:2] / 2 + _NEAR_BOX_M
-        off_m = xyz_m[:, :2] - center_m[:2]
-        near = np.flatnonzero((np.abs(off_m) <= np.hypot(*half_m)).all(axis=1))
-        along_m = np.cos(yaw_rad) * off_m[near, 0] + np.sin(yaw_rad) * off_m[near, 1]
-        across_m = np.cos(yaw_rad) * off_m[near, 1] - np.sin(yaw_rad) * off_m[near, 0]
+        reach_m = np.hypot(*half_m)
+        near = np.flatnonzero((np.abs(x_m - center_m[0]) <= reach_m) & (np.abs(y_m - center_m[1]) <= reach_m))
+        off_x, off_y = x_m[near] - center_m[0], y_m[near] - center_m[1]
+        along_m = np.cos(yaw_rad) * off_x + np.sin(yaw_rad) * off_y
+        across_m = np.cos(yaw_rad) * off_y - np.sin(yaw_rad) * off_x
         inside[near[(np.abs(along_m) <= half_m[0]) & (np.abs(across_m) <= half_m[1])]] = True
     return inside
 
