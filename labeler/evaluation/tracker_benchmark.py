@@ -54,7 +54,7 @@ class TrackerTimes(TypedDict):
     seed: int
 
 
-class _Round(TypedDict):
+class TimedRound(TypedDict):
     """Seconds of processor time by tracker, and who was skipped."""
 
     seconds: dict[str, float]
@@ -74,7 +74,7 @@ def benchmark_trackers(
 
     A tracker that is not installed or fails is named in ``skipped``."""
     loky: Any = import_module("loky")  # it has no types of its own
-    rounds: dict[int, list[_Round]] = {count: [] for count in objects}
+    rounds: dict[int, list[TimedRound]] = {count: [] for count in objects}
     with loky.ProcessPoolExecutor(1, env=_ONE_THREAD) as worker:
         for run in range(runs):
             for count in objects:
@@ -85,11 +85,11 @@ def benchmark_trackers(
 
 def time_round(
     objects: int, frames: int, seed: int, turn: int, contestants: Sequence[Contestant] = CONTESTANTS
-) -> _Round:
+) -> TimedRound:
     """Time each tracker once; the one in place ``turn`` begins."""
     _hold_opencv_to_one_thread()
     made = make_detections(objects=objects, frames=frames, seed=seed).frames
-    found = _Round(seconds={}, skipped=[], versions={})
+    found = TimedRound(seconds={}, skipped=[], versions={})
     first = turn % len(contestants)
     for contestant in (*contestants[first:], *contestants[:first]):
         reason = contestant.why_not(made[:_WARM_UP_FRAMES])
@@ -106,7 +106,7 @@ def time_round(
     return found
 
 
-def summarise(rounds: dict[int, list[_Round]], *, frames: int, runs: int, seed: int) -> TrackerTimes:
+def summarise(rounds: dict[int, list[TimedRound]], *, frames: int, runs: int, seed: int) -> TrackerTimes:
     """A row for each tracker and number of objects, in the order of the trackers."""
     every = [one for of_count in rounds.values() for one in of_count]
     skipped = {one["tracker"]: one for found in every for one in found["skipped"]}

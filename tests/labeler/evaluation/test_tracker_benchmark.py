@@ -7,7 +7,13 @@ import numpy as np
 import pytest
 
 from labeler.evaluation.made_detections import NOTHING, make_detections
-from labeler.evaluation.tracker_benchmark import benchmark_trackers, summarise, time_round
+from labeler.evaluation.tracker_benchmark import (
+    SkippedTracker,
+    TimedRound,
+    benchmark_trackers,
+    summarise,
+    time_round,
+)
 from labeler.evaluation.tracker_contestants import CONTESTANTS, Contestant
 from labeler.tracking import NO_DETECTION, DetectedFrame, TrackingConfig, open_tracker
 
@@ -69,12 +75,12 @@ def test_an_error_of_ours_is_not_hidden() -> None:
 
 def test_the_median_counts() -> None:
     """100 frames in 1, 2 and 4 seconds; who was skipped has no row."""
-    absent = {"tracker": "motpy", "reason": "not installed"}
+    absent = SkippedTracker(tracker="motpy", reason="not installed")
     seconds = dict.fromkeys([contestant.name for contestant in CONTESTANTS if contestant.name != "motpy"], 5.0)
     rounds = [
-        {"seconds": {**seconds, "ours": of_ours}, "skipped": [absent], "versions": {}} for of_ours in (1.0, 4.0, 2.0)
+        TimedRound(seconds={**seconds, "ours": of_ours}, skipped=[absent], versions={}) for of_ours in (1.0, 4.0, 2.0)
     ]
-    found = summarise({20: rounds}, frames=100, runs=3, seed=0)  # type: ignore[dict-item]
+    found = summarise({20: rounds}, frames=100, runs=3, seed=0)
     assert found["rows"][0] == {"tracker": "ours", "objects": 20, "frames_per_cpu_second": 50.0}
     assert "motpy" not in {row["tracker"] for row in found["rows"]}
     assert found["skipped"] == [absent]
