@@ -65,12 +65,12 @@ class PillarBoxMaker:
         found = self._model.find(cloud, min_score=self._config.min_box_score)
         if not len(found):
             return Boxes3D.empty()
-        near = near_detections(*_in_ego(found, view, scene), detected_px, view)
-        found = found[near]
-        center_m, size_m, yaw_rad = _in_ego(found, view, scene)
+        center_m, yaw_rad = _in_ego(found, view, scene)
+        near = near_detections(center_m, found.size_m, yaw_rad, detected_px, view)
+        found, center_m, yaw_rad = found[near], center_m[near], yaw_rad[near]
         held = _held(cloud, found)
         points_m = [scene.xyz_m[rows[inside]] for inside in held]
-        detection, _ = associate(center_m, size_m, yaw_rad, points_m, detected_px, view)
+        detection, _ = associate(center_m, found.size_m, yaw_rad, points_m, detected_px, view)
         chosen: NDArray[np.intp] = np.flatnonzero(detection >= 0)
         chosen = chosen[np.argsort(detection[chosen], kind="stable")]
         numbers: list[int] = chosen.tolist()
@@ -79,7 +79,7 @@ class PillarBoxMaker:
         of_class = self._class_of[found.class_index[chosen]]
         return Boxes3D(
             center_m=center_m[chosen].astype(np.float32),
-            size_m=size_m[chosen].astype(np.float32),
+            size_m=found.size_m[chosen].astype(np.float32),
             yaw_rad=((yaw_rad[chosen] + np.pi) % (2 * np.pi) - np.pi).astype(np.float32),
             score=found.score[chosen].astype(np.float32),
             class_id=np.where(of_class >= 0, of_class, camera.detections.class_id[detection[chosen]]).astype(np.int16),
@@ -107,14 +107,12 @@ def _opened(path: Path) -> PillarModel:
     return PillarModel(path)
 
 
-def _in_ego(
-    found: PillarBoxes, view: View, scene: Scene
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """(N, 3) centres in the ego frame, (N, 3) sizes and (N,) yaws of the boxes of a view's direction."""
+def _in_ego(found: PillarBoxes, view: View, scene: Scene) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """(N, 3) centres in the ego frame and (N,) yaws of the boxes of a view's direction."""
     direction = Direction.of(view)
     xy_m = direction.to_ego(found.center_m[:, :2])
     center_m = np.concatenate([xy_m, found.center_m[:, 2:] + scene.ground.at(xy_m)[:, None]], axis=1)
-    return center_m, found.size_m, found.yaw_rad + direction.yaw_rad
+    return center_m, found.yaw_rad + direction.yaw_rad
 
 
 def _held(cloud: NDArray[np.float32], boxes: PillarBoxes) -> list[NDArray[np.intp]]:
