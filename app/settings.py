@@ -58,7 +58,8 @@ class Settings(BaseSettings):
     boxes: str | None = Field(
         default=None,
         description="What makes 3D boxes of LiDAR points: a pillar network, by file (.onnx) or name, or `clusters`, "
-        "which needs no weights. Without it: the network that ships, where a simulated drive is segmented, else `clusters`.",
+        "which needs no weights. Without it: the network that ships, where a simulated drive is segmented, else "
+        "`clusters`.",
     )
     models: Path = Field(default_factory=default_models, description="Folder that pulled and added models lie in.")
     model_mirror: str | None = Field(
